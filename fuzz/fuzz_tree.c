@@ -2,6 +2,7 @@
  * Byte 0: builder and representatives; then 8 bytes a light, a byte for each number, so that equal and
  * extreme ones are common. */
 #include "fuzz.h"
+#include "shade/shine.h"
 #include "support/some_profiles.h"
 #include "tree/light_tree.h"
 
@@ -31,7 +32,8 @@ static lc_light make(const uint8_t *b)
         float a = (float)(b[7] >> 4) / 8 - 1, c = a + (float)(b[6] >> 4) / 64;
         l.spot = (lc_spot){ .cos_total = a, .cos_start = c < 1 ? c : 1 };
     } else if (b[0] & 128) l.atten[0] = (float)(b[7] >> 2), l.atten[1] = b[7] & 4 ? 1e-10f : 0;
-    if (l.kind == LC_LIGHT_VIRTUAL) l.atten[3] = (float)(b[6] >> 4 & 3);
+    if (l.kind == LC_LIGHT_VIRTUAL && b[6] >> 4 & 3)
+        lc_shine_make(&l.shine, 0.3f * (float)(b[6] >> 4 & 3), lc_f3_make(0, 1, 0), l.dir);
     return l;
 }
 

@@ -25,6 +25,7 @@ typedef struct job {
     _Alignas(64) lc_node node[MOST];
     _Alignas(64) lc_light_rec rec[MOST];
     lc_atten node_atten[MOST], light_atten[MOST];
+    lc_shine light_shine[MOST];
     lc_spot_rec node_spot[MOST], light_spot[MOST];
     lc_luminaire_rec node_luminaire[MOST], light_luminaire[MOST];
     lc_spot_map maps[3];
@@ -69,6 +70,7 @@ static void make_job(job *j, uint64_t i, lc_light_kind kind, gen_brdf brdf)
         lc_light_rec_init(&j->rec[k], light);
         const lc_cluster *in = k & 1 ? &all : &one;
         memcpy(j->light_atten[k], light->atten, sizeof light->atten);
+        j->light_shine[k] = kind == LC_LIGHT_VIRTUAL ? light->shine : (lc_shine){ 0 };
         if (kind == LC_LIGHT_LUMINAIRE) {
             lc_luminaire_rec_node(&j->node_luminaire[k], in->least);
             lc_luminaire_rec_init(&j->light_luminaire[k], light);
@@ -88,14 +90,15 @@ static void make_job(job *j, uint64_t i, lc_light_kind kind, gen_brdf brdf)
     j->tree.own[LC_LIGHT_LUMINAIRE].node = j->node_luminaire;
     j->tree.own[LC_LIGHT_LUMINAIRE].light = j->light_luminaire;
     j->tree.profiles = gen_profiles();
-    j->tree.narrow = kind == LC_LIGHT_VIRTUAL && i % 2;
+    j->tree.light_shine = kind == LC_LIGHT_VIRTUAL && i / LC_LIGHT_KINDS % 2 ? j->light_shine : NULL;
+    for (uint32_t k = 0; k < j->c.n && kind == LC_LIGHT_VIRTUAL && !j->tree.light_shine; k++)
+        j->c.lights[k].shine.roughness = 0;
     j->tree.spot_maps = j->maps;
     if (i / MOST % 2) { /* inverse square */
         j->tree.node_atten = j->tree.light_atten = NULL;
         for (uint32_t k = 0; k < j->c.n && lc_is_attenuated(kind); k++) {
             j->c.lights[k].atten[0] = j->c.lights[k].atten[1] = 0;
             j->c.lights[k].atten[2] = 1;
-            j->c.lights[k].atten[3] = 0;
         }
     }
 }
@@ -173,6 +176,8 @@ static bool estimate_right(const job *j, uint32_t at, float out[6][ROOM + GUARD]
     bool mapped = j->kind == LC_LIGHT_SPOT && spot->map;
     lc_f3 f = j->kind == LC_LIGHT_SPOT
                   ? one_spot_transfer(&j->point, &j->rec[at], spot, j->maps)
+              : j->tree.light_shine
+                  ? one_virtual_transfer(&j->point, &j->rec[at], l->atten, &j->light_shine[at])
               : j->kind == LC_LIGHT_LUMINAIRE
                   ? one_luminaire_transfer(&j->point, &j->rec[at], &j->light_luminaire[at], gen_profiles())
                   : one_transfer(&j->point, j->kind, &j->rec[at], lc_light_atten(&j->tree, at));

@@ -215,7 +215,7 @@ TEST(radii)
             path[i] = (uint32_t)(i ? path[i - 1] + lc_hash4(3, n, i, 4) % 2 : 5);
         }
         if (n > 30) l[n - 1] = l[n - 2]; /* two in one place */
-        CHECK(lc_vpl_radii(ctx, l, NULL, path, n, &places) == LC_OK);
+        CHECK(lc_vpl_radii(ctx, l, path, n, &places) == LC_OK);
         lc_light_places_free(&places, ctx);
         for (size_t i = 0; i < n; i++) {
             size_t m = distances(l, path, n, i, d2);

@@ -1,12 +1,14 @@
 /* unit_reflected_light.c - what lobes and mirrors shed on other surfaces: the flux of their virtual lights
- * against an integral, and the way they shine; rooms with a mirror for a wall against rooms twice as large,
- * which have all twice; sheets of metal, behind which there is no light. */
+ * against an integral, how they shine; rooms with a mirror for a wall against rooms twice as large, which
+ * have all twice; sheets of metal, behind which there is no light. */
 #include "scene/scene.h"
+#include "shade/dir_pack.h"
 #include "shade/lobe.h"
 #include "shade/point_init.h"
 #include "shade/reflected.h"
 #include "support/near.h"
 #include "support/one_scene.h"
+#include "support/ref_shine.h"
 #include "tree/light_tree.h"
 
 #define RND_KEY 4711
@@ -63,22 +65,22 @@ TEST(a_lobe_reflects_what_it_sheds)
     printf("    off by at most 3 %% and %.4f\n", worst);
 }
 
-/* The flux above a plane of a light that shines by the n-th power of the cosine to a direction, n odd; c: the
- * cosine of that to the normal. The integral in the plane of both, times what is across. */
-static double flux_above(int n, double c)
+/* The flux of a virtual light of intensity 1, by some directions at random over the half sphere. */
+static double flux_of(const lc_light *l)
 {
-    enum { STEPS = 200 };
-    const double from = acos(fmin(c, 1)) - LC_PI / 2, width = LC_PI / 2 - from;
-    double sum = 0, all = 0;
-    for (int i = 0; i < STEPS; i++) {
-        sum += pow(cos(from + (i + 0.5) * width / STEPS), n) * width / STEPS;
-        all += pow(cos((i + 0.5) * LC_PI / STEPS - LC_PI / 2), n) * LC_PI / STEPS;
+    enum { SOME = 64 };
+    double sum = 0;
+    for (int i = 0; i < SOME; i++) { /* towards the light, so against how it shines */
+        const double z = -rnd(), r = sqrt(1 - z * z), turn = 2 * LC_PI * rnd(),
+                     w[3] = { r * cos(turn), r * sin(turn), z };
+        sum += -z * ref_shine(l, w, -z).exact;
     }
-    return 2 * LC_PI / (n + 1) * sum / all;
+    return sum * 2 * LC_PI / SOME;
 }
 
-/* Half of a lamp's light falls on a plane, evenly spread over the cosine there. */
-static void check_plane(const char *material, int power)
+/* Half of a lamp's light falls on a plane, evenly spread over the cosine there. roughness: of the lobe that
+ * lights are to stand for, 0: none. */
+static void check_plane(const char *material, float roughness)
 {
     enum { STEPS = 100 };
     lc_load_desc load = LC_LOAD_DESC_INIT;
@@ -91,27 +93,25 @@ static void check_plane(const char *material, int power)
     if (!s) return;
     for (size_t i = s->n_lights - s->indirect.n_lights; i < s->n_lights; i++) {
         const lc_light *l = &s->lights[i];
-        const lc_f3 in = lc_f3_normalize(lc_f3_make(l->pos.x, l->pos.y, -1)),
-                    mirror = lc_f3_make(in.x, in.y, -in.z);
-        if (l->pos.z > -1 + 1e-5f) { /* above the plane: of the lobe */
-            lobe += (double)l->intensity.y * flux_above(power, (double)l->dir.z);
-            CHECKF(near_abs(exp2((double)l->atten[3] + 1) - 1, power, 1e-6), "light %zu: another power", i);
-            CHECKF(lc_f3_dot(l->dir, mirror) > 0.9999f, "light %zu: another way", i);
-        } else {
-            rest += LC_PI * (double)l->intensity.y;
-            CHECKF(l->dir.z > 0.9999f, "light %zu: another way", i);
-        }
+        const lc_f3 to_lamp = lc_f3_neg(lc_f3_normalize(l->pos));
+        CHECKF(l->dir.z > 0.9999f, "light %zu: another way", i);
+        if (lc_has_shine(l)) {
+            lobe += (double)l->intensity.y * flux_of(l);
+            CHECKF(near_abs((double)l->shine.roughness, (double)roughness, 1e-6), "light %zu: %g", i,
+                   (double)l->shine.roughness);
+            CHECKF(lc_f3_dot(lc_dir_unpack(l->shine.from), to_lamp) > 0.9999f, "light %zu: from where", i);
+        } else rest += LC_PI * (double)l->intensity.y;
     }
     const lc_material *m = &s->materials[s->meshes[0].material_id];
     const bool metal = !(lc_f3_max(m->kd) > 0);
-    CHECK(s->tree->data.narrow == (power > 1));
+    CHECK(!s->tree->data.light_shine == !(roughness > 0));
     for (int k = 0; k < STEPS; k++) {
         const double c = (k + 0.5) / STEPS, part = lobe_part(m, c, 2.4 * k); /* a golden angle */
         want_lobe += 2 * LC_PI * part / STEPS;
         want_rest += 2 * LC_PI * (double)lc_lobes[m->lobe].albedo(m, (float)c).y / STEPS;
     }
-    printf("    power %d: by the lobe %.4f of %.4f, otherwise %.4f of %.4f\n", power, lobe, want_lobe, rest,
-           want_rest);
+    printf("    roughness %g: by the lobe %.4f of %.4f, otherwise %.4f of %.4f\n", (double)roughness, lobe,
+           want_lobe, rest, want_rest);
     CHECKF(near_rel(lobe, metal ? want_lobe : 0, 0.02), "%g of %g", lobe, want_lobe);
     CHECKF(near_rel(rest, metal ? 0 : want_rest, 0.02), "%g of %g", rest, want_rest);
     lc_scene_destroy(s);
@@ -120,11 +120,12 @@ static void check_plane(const char *material, int power)
 TEST(flux_is_what_the_lobe_reflects)
 {
 #define GIVEN "\"bool remaproughness\" false \"rgb reflectance\" [.7 .8 .7]"
-    check_plane("Material \"conductor\" " GIVEN " \"float roughness\" [.1]", 15);
-    check_plane("Material \"conductor\" " GIVEN " \"float roughness\" [.5]", 3);
-    check_plane("Material \"conductor\" " GIVEN " \"float uroughness\" [.2] \"float vroughness\" [.6]", 7);
-    check_plane("Material \"conductor\" " GIVEN " \"float roughness\" [.9]", 1);
-    check_plane("Material \"coateddiffuse\" " GIVEN " \"float roughness\" [.2]", 1);
+    check_plane("Material \"conductor\" " GIVEN " \"float roughness\" [.1]", 0.2f);
+    check_plane("Material \"conductor\" " GIVEN " \"float roughness\" [.5]", 0.5f);
+    check_plane("Material \"conductor\" " GIVEN " \"float uroughness\" [.2] \"float vroughness\" [.6]",
+                sqrtf(0.12f));
+    check_plane("Material \"conductor\" " GIVEN " \"float roughness\" [.9]", 0.9f);
+    check_plane("Material \"coateddiffuse\" " GIVEN " \"float roughness\" [.2]", 0);
 }
 
 /* A spot shines on metal from one side: on the ceiling its light is about the mirror direction. */

@@ -6,11 +6,11 @@
  * bounce, from (0,2)-sequences, each in an order of its own, so that none makes a pattern with another
  * ([Kollig02]), and all other numbers from its own hash. Each virtual light emits as a diffuse surface does:
  * flux * albedo / pi along the shading normal.
- * What a metal's lobe reflects goes on in a direction drawn by it; its light shines about the mirror
- * direction, where the lobe lies, by a power of the cosine that is about as wide, at most 15, so that single
- * lights do not show (shade/light_virtual.h); so does a mirror's. Of a surface with a lobe and a lesser
- * diffuse part a light stands for one of these, by chance; a lesser lobe counts as diffuse. A surface with
- * diffuse transmission has a light on its other side, too. At mirrors and glass a path goes on, by chance
+ * What a metal's lobe reflects goes on in a direction drawn by it; its light shines as the lobe does, but for
+ * Fresnel's changes within it (shade/light_virtual.h), and as one no narrower than LEAST_ROUGHNESS, so that
+ * single lights do not show; so does a mirror's. Of a surface with a lobe and a lesser diffuse part a light
+ * stands for one of these, by chance; a lesser lobe counts as diffuse. A surface with diffuse transmission
+ * has a light on its other side, too. At mirrors and glass a path goes on, by chance
  * where they both reflect and transmit. From the second rough surface on a path ends with probability 1 -
  * albedo. Intensities are divided by the number of paths.
  *
@@ -41,6 +41,7 @@
 #include "shade/lobe.h"
 #include "shade/point_init.h"
 #include "shade/reflected.h"
+#include "shade/shine.h"
 #include "trace/bvh_data.h"
 
 #include <math.h>
@@ -61,9 +62,9 @@
 #define SURE_IMPORTANCE 0.5          /* of the median: importance from which a light is kept for certain */
 #define MIN_CHANCE 0.0625            /* least probability of keeping a light */
 #define LEAST_SHARE 0.5f             /* of a lobe in what a surface reflects of light along its normal */
-#define OF_ROUGHNESS 0.82f           /* of a power of the cosine that falls to a half where GGX's facets do */
-#define LIFT 1.25f                   /* of lobes' lights, in what shadow rays leave out before a light */
-#define MOST_LIFT 0.05f              /* of the distance between lights */
+#define LEAST_ROUGHNESS 0.2f         /* of lobes that lights stand for; mirrors, too, shine like that */
+#define OF_EXPONENT 0.82f            /* over n: square of a roughness whose facets fall to a half where the
+                                        n-th power of the cosine to the mirror direction does */
 
 typedef struct maker {
     lc_scene *scene;
@@ -73,15 +74,13 @@ typedef struct maker {
     lc_view_grid view; /* without points: all lights are kept */
     double enough; /* importance from which a light is kept for certain; 0: not known yet, or all have none */
     double *importance, *sorted; /* of slots; scratch */
-    lc_light *slots; /* PATH_LIGHTS a path of the batch */
-    lc_f3 *facing;   /* of these: the normals of their surfaces */
+    lc_light *slots; /* PATH_LIGHTS a path of the batch; atten[0]: intensity of a flux of 1; [1]: depth */
     uint8_t n_stored[BATCH];
     lc_light *made; /* of all paths so far, not divided by their number */
-    lc_f3 *normals;    /* of each light's surface */
     uint32_t *path;    /* of each light */
-    size_t n_made, cap_made, cap_normals, cap_path;
+    size_t n_made, cap_made, cap_path;
     uint64_t n_paths;
-    lc_f3 of_bounce[LC_MAX_BOUNCES]; /* of the lights of each, the first at 0: the sum of their intensities */
+    lc_f3 of_bounce[LC_MAX_BOUNCES]; /* of the lights of each, the first at 0: the sum of their fluxes */
 } maker;
 
 typedef struct path {
@@ -90,10 +89,9 @@ typedef struct path {
     double numbers[2 * PAIRS]; /* of sequences */
     uint32_t n_drawn, n_rough;
     uint32_t group; /* of the light that it starts from */
-    int depth;      /* of what it meets next, from 1 on; in atten[1] of slots */
+    int depth;      /* of what it meets next, from 1 on */
     lc_f3 org, dir, flux; /* W, of all paths */
     lc_light *lights;
-    lc_f3 *facing;
     uint8_t *n_lights;
 } path;
 
@@ -186,52 +184,30 @@ static bool is_mostly_lobe(const lc_material *m)
 /* What leaves a surface, of a flux of 1. */
 typedef struct leaving {
     lc_f3 flux, normal;
-    lc_f3 dir;  /* its light shines about that, */
+    float roughness; /* of the lobe by which it leaves; 0: by the cosine */
     lc_f3 next; /* where it goes on by the lobe */
-    bool by_lobe;
-    int narrow; /* as in lc_light.atten */
 } leaving;
 
-/* How narrowly a lobe shines: a roughness of a leaves about cos^n(angle to the mirror direction), n = 0.82 /
- * a^2, as facets turn light away by twice their angle. Powers are parted in the middle of their logs. */
-static int narrowness(const lc_material *m)
+/* The roughness of GGX that is about as narrow as a lobe. */
+static float roughness_of(const lc_material *m)
 {
-    static const float parted[] = { 1.73f, 4.58f, 10.2f };
-    const float a2 = m->roughness[0] * m->roughness[1],
-                n = m->lobe == LC_LOBE_PHONG ? m->exponent : OF_ROUGHNESS / a2;
-    int how = 0;
-    while (how < 3 && !(n < parted[how])) how++;
-    return how;
-}
-
-/* The part of the n-th power of the cosine to a direction, n odd, that is above a plane; c: cosine of that
- * direction to its normal. As the integral of cos^n from -90 degrees to 90 less the angle between them. */
-static double part_above(int n, double c)
-{
-    double sum = 0, all = 0, term = 1;
-    for (int k = 0, most = n / 2; k <= most; term *= -(double)(most - k) / (k + 1), k++) {
-        double power = c;
-        for (int i = 0; i < k; i++) power *= c * c;
-        sum += term * power / (2 * k + 1);
-        all += term / (2 * k + 1);
-    }
-    return (1 + sum / all) / 2;
+    const float a2 = m->lobe == LC_LOBE_PHONG ? OF_EXPONENT / m->exponent : m->roughness[0] * m->roughness[1];
+    return fminf(fmaxf(sqrtf(a2), LEAST_ROUGHNESS), 1);
 }
 
 static void store(path *p, const lc_surface *s, const leaving *l)
 {
-    const int power = (2 << l->narrow) - 1;
-    double factor = (power + 1) / (2 * LC_PI);
-    if (l->by_lobe) factor /= part_above(power, (double)lc_f3_dot(l->dir, l->normal));
-    const lc_f3 intensity = lc_f3_scale(lc_f3_mul(p->flux, l->flux), (float)factor);
-    if (!(lc_f3_max(intensity) > 0) || *p->n_lights == PATH_LIGHTS) return;
-    p->facing[*p->n_lights] = l->normal;
-    p->lights[(*p->n_lights)++] = (lc_light){ .kind = LC_LIGHT_VIRTUAL,
-                                              .pos = s->pos,
-                                              .dir = l->dir,
-                                              .intensity = intensity,
-                                              .atten = { 0, (float)p->depth, 1, (float)l->narrow },
-                                              .group = p->group };
+    lc_light light = { .kind = LC_LIGHT_VIRTUAL,
+                       .pos = s->pos,
+                       .dir = l->normal,
+                       .group = p->group };
+    float factor = (float)(1 / LC_PI);
+    if (l->roughness > 0) factor = lc_shine_make(&light.shine, l->roughness, lc_f3_neg(p->dir), l->normal);
+    light.atten[0] = factor;
+    light.atten[1] = (float)p->depth;
+    light.intensity = lc_f3_scale(lc_f3_mul(p->flux, l->flux), factor);
+    if (!(lc_f3_max(light.intensity) > 0) || *p->n_lights == PATH_LIGHTS) return;
+    p->lights[(*p->n_lights)++] = light;
 }
 
 /* A direction by the lobe. flux: what leaves by it; 0: it is below the surface. */
@@ -258,26 +234,24 @@ static void reflect(path *p, const lc_surface *s, uint32_t depth, lc_f3 all, lea
     const float cos_i = -lc_f3_dot(p->dir, s->n);
     const lc_f3 lobe = lobe_albedo(&s->material, cos_i);
     const float share = lc_f3_max(lobe) > 0 ? fminf(lc_luminance(lobe) / lc_luminance(all), 1) : 0;
-    *out = (leaving){ .flux = all, .normal = s->n, .dir = s->n };
+    *out = (leaving){ .flux = all, .normal = s->n };
     if (!(share > 0) || !is_mostly_lobe(&s->material)) return;
-    out->by_lobe = lc_unit(lc_hash4(p->m->seed, p->index, depth, 3)) < (double)share;
-    if (!out->by_lobe) {
+    if (!(lc_unit(lc_hash4(p->m->seed, p->index, depth, 3)) < (double)share)) {
         const lc_f3 rest = lc_f3_sub(all, lobe);
         out->flux = lc_f3_make(fmaxf(rest.x, 0), fmaxf(rest.y, 0), fmaxf(rest.z, 0));
         out->flux = lc_f3_scale(out->flux, 1 / (1 - share));
         return;
     }
-    out->narrow = narrowness(&s->material);
+    out->roughness = roughness_of(&s->material);
     draw_by_lobe(p, s, out);
     out->flux = lc_f3_scale(out->flux, 1 / share);
-    out->dir = lc_f3_normalize(lc_f3_add(p->dir, lc_f3_scale(s->n, 2 * cos_i)));
 }
 
 /* Stores virtual lights at a rough surface and continues the path; false: it ends. */
 static bool scatter(path *p, const lc_surface *s, uint32_t depth)
 {
     const lc_f3 all = albedo(&s->material, -lc_f3_dot(p->dir, s->n));
-    leaving back, on = { .flux = s->material.kt, .normal = lc_f3_neg(s->n), .dir = lc_f3_neg(s->n) };
+    leaving back, on = { .flux = s->material.kt, .normal = lc_f3_neg(s->n) };
     float org[3], sum = lc_luminance(all) + lc_luminance(on.flux),
                   share = sum > 0 ? lc_luminance(all) / sum : 1;
     reflect(p, s, depth, all, &back);
@@ -297,7 +271,7 @@ static bool scatter(path *p, const lc_surface *s, uint32_t depth)
     lc_f3_store(org, lc_f3_load(s->ray_org));
     if (through) lc_surface_behind(s, org);
     p->org = lc_f3_load(org);
-    p->dir = l->by_lobe ? l->next : draw_cosine(p, l->normal);
+    p->dir = l->roughness > 0 ? l->next : draw_cosine(p, l->normal);
     return true;
 }
 
@@ -307,7 +281,7 @@ static bool scatter_specular(path *p, const lc_surface *s, uint32_t depth)
     float org[3], cos_i = -lc_f3_dot(p->dir, s->n);
     if (!s->material.glass) {
         const lc_f3 part = lc_reflectance(&s->material, cos_i, !s->front), dir = lc_mirror_leave(s, p->dir);
-        store(p, s, &(leaving){ .flux = part, .normal = s->n, .dir = dir, .by_lobe = true, .narrow = 3 });
+        store(p, s, &(leaving){ .flux = part, .normal = s->n, .roughness = LEAST_ROUGHNESS });
         p->flux = lc_f3_mul(p->flux, part);
         p->org = lc_f3_load(s->ray_org);
         p->dir = dir;
@@ -365,7 +339,6 @@ static void trace_item(void *user, uint32_t thread, uint64_t item)
         path p = { .m = m,
                    .index = m->first_path + i,
                    .lights = m->slots + i * PATH_LIGHTS,
-                   .facing = m->facing + i * PATH_LIGHTS,
                    .n_lights = &m->n_stored[i] };
         m->n_stored[i] = 0;
         start_numbers(&p);
@@ -397,17 +370,17 @@ static double median_importance(maker *m)
 /* Keeps light k of path i of the batch, or not. */
 static void keep(maker *m, size_t i, size_t k)
 {
+    static const float inverse_square[] = { 0, 0, 1 };
     const lc_light *light = &m->slots[i * PATH_LIGHTS + k];
     double chance = m->enough > 0
                         ? fmin(fmax(m->importance[i * PATH_LIGHTS + k] / m->enough, MIN_CHANCE), 1)
                         : 1;
     if (!(lc_unit(lc_hash4(m->seed, m->first_path + i, k, 5)) < chance)) return;
     lc_f3 *sum = &m->of_bounce[(int)light->atten[1] - 1];
-    *sum = lc_f3_add(*sum, lc_f3_scale(light->intensity, (float)(1 / chance)));
+    *sum = lc_f3_add(*sum, lc_f3_scale(light->intensity, (float)(1 / chance) / light->atten[0]));
     m->path[m->n_made] = (uint32_t)(m->first_path + i);
-    m->normals[m->n_made] = m->facing[i * PATH_LIGHTS + k];
     m->made[m->n_made] = *light;
-    m->made[m->n_made].atten[1] = 0;
+    memcpy(m->made[m->n_made].atten, inverse_square, sizeof inverse_square);
     m->made[m->n_made++].intensity = lc_f3_scale(light->intensity, (float)(1 / chance));
 }
 
@@ -419,7 +392,6 @@ static lc_status trace_until(maker *m, size_t n)
     const lc_context *ctx = m->scene->ctx;
     const size_t room = n + PATH_LIGHTS;
     lc_status st = lc_grow(ctx, (void **)&m->made, &m->cap_made, room, sizeof *m->made);
-    if (!st) st = lc_grow(ctx, (void **)&m->normals, &m->cap_normals, room, sizeof *m->normals);
     if (!st) st = lc_grow(ctx, (void **)&m->path, &m->cap_path, room, sizeof *m->path);
     while (!st && m->n_made < n && m->n_paths < (uint64_t)PATHS_A_LIGHT * n) {
         if (!m->n_made && m->n_paths >= PATHS_FOR_NONE) break;
@@ -452,7 +424,7 @@ static lc_status make_enough(maker *m, lc_vpl_deviation *deviation, const lc_vpl
         const bool last = desc->n_lights || n >= MOST_LIGHTS || m->n_made < n;
         lc_light_places_free(&m->scene->virtuals, m->scene->ctx);
         if (!st)
-            st = lc_vpl_radii(m->scene->ctx, m->made, m->normals, m->path, m->n_made, &m->scene->virtuals);
+            st = lc_vpl_radii(m->scene->ctx, m->made, m->path, m->n_made, &m->scene->virtuals);
         if (!st)
             st = lc_vpl_deviation_find(deviation, m->made, m->path, m->n_made, m->n_paths,
                                        last ? INFINITY : desc->deviation, out);
@@ -461,26 +433,12 @@ static lc_status make_enough(maker *m, lc_vpl_deviation *deviation, const lc_vpl
     }
 }
 
-/* Lobes' lights shine to the back of their surface, too: they stand above it, so that shadow rays from there
- * meet it, which leave out the last LC_SHADOW_EPS of their way. */
-static lc_f3 place_above(const lc_light *l, lc_f3 normal, float size)
-{
-    const lc_f3 off = lc_f3_sub(l->dir, normal);
-    const bool by_lobe = l->atten[3] > 0 || lc_f3_max_abs(off) > 0;
-    if (!by_lobe) return l->pos;
-    const float apart = sqrtf(l->atten[0] / LC_VPL_DISC), high = LIFT * LC_SHADOW_EPS * size;
-    return lc_f3_add(l->pos, lc_f3_scale(normal, apart > 0 ? fminf(high, MOST_LIFT * apart) : high));
-}
-
 static lc_status add_all(lc_scene *scene, const maker *m)
 {
-    const lc_f3 box = lc_f3_sub(scene->bounds.hi, scene->bounds.lo);
-    const float size = sqrtf(lc_f3_dot(box, box));
     double each = 1 / (double)m->n_paths;
     lc_status st = LC_OK;
     for (size_t i = 0; i < m->n_made && !st; i++) {
         lc_light l = m->made[i];
-        l.pos = place_above(&l, m->normals[i], size);
         l.intensity = lc_f3_make((float)((double)l.intensity.x * each), (float)((double)l.intensity.y * each),
                                  (float)((double)l.intensity.z * each));
         st = lc_scene_add_light(scene, (lc_pos){ 0, 0, 0 }, &l);
@@ -509,10 +467,9 @@ static lc_status make(lc_scene *scene, maker *m, const lc_vpl_desc *desc)
     lc_vpl_deviation deviation;
     lc_status st = LC_OK;
     m->slots = lc_alloc_raw(ctx, (size_t)BATCH * PATH_LIGHTS, sizeof *m->slots);
-    m->facing = lc_alloc_raw(ctx, (size_t)BATCH * PATH_LIGHTS, sizeof *m->facing);
     m->importance = lc_alloc_raw(ctx, (size_t)BATCH * PATH_LIGHTS, sizeof *m->importance);
     m->sorted = lc_alloc_raw(ctx, (size_t)BATCH * PATH_LIGHTS, sizeof *m->sorted);
-    if (!m->slots || !m->facing || !m->importance || !m->sorted) return LC_ERR_MEMORY;
+    if (!m->slots || !m->importance || !m->sorted) return LC_ERR_MEMORY;
     if (desc->from_view) st = lc_view_grid_init(&m->view, scene, LC_VIEW_GRID_SIDE, desc->max_depth);
     if (st) return st;
     st = lc_vpl_deviation_init(&deviation, scene, desc->max_depth, m->seed);
@@ -541,11 +498,9 @@ lc_status lc_vpl_make(lc_scene *scene, const lc_vpl_desc *desc)
     lc_path_starts_free(&m.starts);
     lc_view_grid_free(&m.view);
     if (m.slots) lc_free(ctx, m.slots, (size_t)BATCH * PATH_LIGHTS, sizeof *m.slots);
-    if (m.facing) lc_free(ctx, m.facing, (size_t)BATCH * PATH_LIGHTS, sizeof *m.facing);
     if (m.importance) lc_free(ctx, m.importance, (size_t)BATCH * PATH_LIGHTS, sizeof *m.importance);
     if (m.sorted) lc_free(ctx, m.sorted, (size_t)BATCH * PATH_LIGHTS, sizeof *m.sorted);
     lc_free(ctx, m.made, m.cap_made, sizeof *m.made);
-    lc_free(ctx, m.normals, m.cap_normals, sizeof *m.normals);
     lc_free(ctx, m.path, m.cap_path, sizeof *m.path);
     return st;
 }

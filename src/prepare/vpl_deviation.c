@@ -259,6 +259,7 @@ static void load(job *j, const lc_light *lights, const uint32_t *path, double ea
         light.intensity = lc_f3_scale(light.intensity, (float)each);
         lc_light_rec_init(&j->data.lights[i], &light);
         memcpy(j->data.light_atten[i], light.atten, sizeof light.atten);
+        j->data.light_shine[i] = light.shine;
         for (int k = 0; k < 3; k++) j->in[k][i] = j->data.lights[i].intensity[k];
         j->radius2[i] = light.atten[0];
         if (!i || path[i] != path[i - 1]) j->first[j->n_paths++] = (uint32_t)i;
@@ -284,6 +285,7 @@ static void free_job(job *j, size_t n)
     lc_free(ctx, j->scratch, ctx->n_threads, sizeof *j->scratch);
     lc_free(ctx, j->data.lights, n, sizeof *j->data.lights);
     lc_free(ctx, j->data.light_atten, n, sizeof *j->data.light_atten);
+    lc_free(ctx, j->data.light_shine, n, sizeof *j->data.light_shine);
     lc_free(ctx, j->in[0], 4 * n, sizeof *j->in[0]);
     lc_free(ctx, j->path, n, sizeof *j->path);
     lc_free(ctx, j->first, n + 1, sizeof *j->first);
@@ -304,11 +306,13 @@ lc_status lc_vpl_deviation_find(lc_vpl_deviation *d, const lc_light *lights, con
     const size_t n_used = j.n_lights;
     j.data.lights = lc_alloc_raw(ctx, n_used, sizeof *j.data.lights);
     j.data.light_atten = lc_alloc(ctx, n_used, sizeof *j.data.light_atten);
+    j.data.light_shine = lc_alloc_raw(ctx, n_used, sizeof *j.data.light_shine);
     j.in[0] = lc_alloc_raw(ctx, 4 * n_used, sizeof *j.in[0]);
     j.path = lc_alloc_raw(ctx, n_used, sizeof *j.path);
     j.first = lc_alloc_raw(ctx, n_used + 1, sizeof *j.first);
     j.mean = lc_alloc(ctx, 3 * (size_t)d->blocks.n, sizeof *j.mean);
-    const bool made = j.data.lights && j.data.light_atten && j.in[0] && j.path && j.first && j.mean;
+    const bool made = j.data.lights && j.data.light_atten && j.data.light_shine && j.in[0] && j.path &&
+                      j.first && j.mean;
     lc_status st = made ? LC_OK : LC_ERR_MEMORY;
     if (made) {
         j.in[1] = j.in[0] + n_used;

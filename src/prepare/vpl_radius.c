@@ -31,11 +31,11 @@ static void disc_item(void *user, uint32_t thread, uint64_t item)
     }
 }
 
-lc_status lc_vpl_radii(const lc_context *ctx, lc_light *lights, const lc_f3 *normals, const uint32_t *path,
-                       size_t n, lc_light_places *places)
+lc_status lc_vpl_radii(const lc_context *ctx, lc_light *lights, const uint32_t *path, size_t n,
+                       lc_light_places *places)
 {
     job j = { .places = places, .lights = lights, .path = path };
-    lc_status st = lc_light_places_init(places, ctx, lights, normals, n);
+    lc_status st = lc_light_places_init(places, ctx, lights, n);
     if (st || !n) return st;
     lc_parallel(ctx, (n + ITEM - 1) / ITEM, disc_item, &j);
     return LC_OK;

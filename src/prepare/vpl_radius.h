@@ -14,10 +14,10 @@
  * seen as a dot, and larger discs would make corners darker. Measured: tests/results/virtual-lights.md.
  *
  * Lights whose surfaces face another way are on others and do not count. Where there are fewer others, all of
- * them count; without any A is 0. normals: of their surfaces; path: of each light, in rising order. places:
- * what finds the lights, to be freed. LC_ERR_MEMORY. */
+ * them count; without any A is 0. path: of each light, in rising order. places: what finds the lights, to be
+ * freed. LC_ERR_MEMORY. */
 #define LC_VPL_NEIGHBOURS LC_MAX_NEAREST
-lc_status lc_vpl_radii(const lc_context *ctx, lc_light *lights, const lc_f3 *normals, const uint32_t *path,
-                       size_t n, lc_light_places *places);
+lc_status lc_vpl_radii(const lc_context *ctx, lc_light *lights, const uint32_t *path, size_t n,
+                       lc_light_places *places);
 
 #endif

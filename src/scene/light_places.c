@@ -102,7 +102,7 @@ static void search(lc_nearest_lights *q, const place *p, size_t n)
 }
 
 lc_status lc_light_places_init(lc_light_places *places, const lc_context *ctx, const lc_light *lights,
-                               const lc_f3 *normals, size_t n)
+                               size_t n)
 {
     *places = (lc_light_places){ .lights = lights, .n = n };
     if (!n) return LC_OK;
@@ -110,7 +110,7 @@ lc_status lc_light_places_init(lc_light_places *places, const lc_context *ctx, c
     if (!places->places) return LC_ERR_MEMORY;
     for (size_t i = 0; i < n; i++) {
         lc_f3_store(places->places[i].pos, lights[i].pos);
-        lc_f3_store(places->places[i].n, normals ? normals[i] : lights[i].dir);
+        lc_f3_store(places->places[i].n, lights[i].dir);
         places->places[i].light = (uint32_t)i & 0x3fffffff;
     }
     build(places->places, n);

@@ -25,10 +25,10 @@ typedef struct lc_light_places {
  * (prepare/vpl_radius.h). */
 #define LC_VPL_DISC 0.04f
 
-/* The lights must outlive the places; at most 2^30. normals: of their surfaces; NULL: they shine along these.
+/* The lights must outlive the places; at most 2^30. They shine along the normals of their surfaces.
  * LC_ERR_MEMORY. */
 lc_status lc_light_places_init(lc_light_places *places, const lc_context *ctx, const lc_light *lights,
-                               const lc_f3 *normals, size_t n);
+                               size_t n);
 void lc_light_places_free(lc_light_places *places, const lc_context *ctx);
 
 typedef struct lc_nearest_lights {

@@ -389,11 +389,13 @@ static bool is_metal(const lc_material *m)
     return lc_luminance(lc_reflectance(m, 1, false)) > lc_luminance(m->kd);
 }
 
-/* Makes the lit point of a place white, or, of metal seen along dir, as it is. Returns whether it is that. */
+/* Makes the lit point of a place white, or, of metal seen along dir, as it is. Returns whether it is that. It
+ * is off its surface, as rays start: a lamp's lights may lie just where a place on its back does. */
 static bool make_lit(const lc_surface *at, bool metal, lc_f3 dir, lc_lit *lit, uint64_t *key)
 {
     uint32_t bits[3];
     *lit = (lc_lit){ .surface = *at, .view = at->n, .weight = { 1, 1, 1 }, .no_rays = true };
+    lit->surface.pos = lc_f3_load(at->ray_org);
     lc_material *m = &lit->surface.material;
     if (!metal || !is_metal(m) || !shared_view(dir, at, &lit->view)) {
         lit->view = at->n; /* not the shared one */

@@ -14,24 +14,9 @@ LC_INLINE vf attenuated(const lc_tree_data *t, const float *const *light, lc_lig
     if (!t->light_atten || !lc_is_attenuated(kind)) return g / d2c;
     for (uint32_t i = 0; i < VF_LANES; i++) atten[i] = t->light_atten[light_index(t, light[i])];
     vf_rows(atten, 0, k);
-    if (kind == LC_LIGHT_VIRTUAL) g = virtual_narrowed(g, k[3]);
     f = k[0];
     if (vf_any_gt(k[1], vf_set(0))) f = f + k[1] * vf_sqrt(d2c);
     return g / (f + k[2] * d2c);
-}
-
-/* lc_dir_unpack. */
-LC_INLINE void unpack(vf a, vf b, vf out[3])
-{
-    const vf zero = vf_set(0), flag = vf_word(LC_DIR_FLAG);
-    vf is_x = vf_and(a, flag), is_y = vf_and(b, flag); /* 2 or 0 as floats */
-    vf sign = vf_shl(vf_and(a, vf_word(LC_DIR_SIGN)), 31);
-    a = vf_and(a, vf_word(~(LC_DIR_FLAG | LC_DIR_SIGN)));
-    b = vf_and(b, vf_word(~LC_DIR_FLAG));
-    vf rest = 1 - a * a - b * b, w = vf_xor(vf_sqrt(vf_max(rest, zero)), sign);
-    out[0] = vf_sel_gt(is_x, zero, w, a);
-    out[1] = vf_sel_gt(is_x, zero, a, vf_sel_gt(is_y, zero, w, b));
-    out[2] = vf_sel_gt(is_x, zero, b, vf_sel_gt(is_y, zero, b, w));
 }
 
 /* One channel of the transfer, times the cosine and g; 0 where `lit` is not above 0. */
@@ -123,6 +108,8 @@ LC_INLINE void shade(const lc_tree_data *t, const float *const *light, lc_light_
             g = -dot_rows(dir, d) * inv_len;
             g = emission(t, light, kind, g, d, tint);
             lit = vf_sel_gt(g, min_cos, lit, zero);
+            if (kind == LC_LIGHT_VIRTUAL && t->light_shine)
+                g = g * virtual_shine(t, light, dir, g, d, inv_len);
         }
         g = attenuated(t, light, kind, p, d2, g);
         if (kind == LC_LIGHT_VIRTUAL && p->near_scale > 0) g = g * faded_in(p, d2);

@@ -83,13 +83,24 @@ typedef struct lc_luminaire {
 
 #define LC_NEXT_TURN 13u /* points of light_target.h from one lc_light.turn to the next */
 
+/* How a virtual light shines that stands for what a lobe reflects: light_virtual.h. */
+typedef struct lc_shine {
+    uint32_t from[2]; /* where its own light came from, packed (dir_pack.h) */
+    float roughness;  /* of the lobe; 0: there is none, and it shines by the cosine alone */
+    float scale;      /* such that the lobe is at most 1 */
+} lc_shine;
+
+#define LC_SHINE_COS 0x1p-7f /* least cosine of where its light came from */
+
 typedef struct lc_light {
     lc_f3 pos;       /* world space; unused where the kind is far */
     lc_f3 dir;       /* unit, the direction in which light travels; unused by point lights */
     lc_f3 intensity; /* >= 0 */
     union {
-        float atten[4]; /* kinds with LC_LIGHT_ATTENUATED: A, B, C, all >= 0, one > 0; 0, 0, 1 is 1/d^2.
-                           Then, of virtual lights, how narrowly they shine: light_virtual.h */
+        struct {
+            float atten[3]; /* kinds with LC_LIGHT_ATTENUATED: A, B, C, all >= 0, one > 0; 0, 0, 1 is 1/d^2 */
+            lc_shine shine; /* virtual lights */
+        };
         lc_spot spot;   /* spots */
         lc_luminaire luminaire;
         struct {
@@ -100,5 +111,10 @@ typedef struct lc_light {
     lc_light_kind kind;
     uint32_t group; /* below LC_MAX_GROUPS; 0: of none */
 } lc_light;
+
+static inline bool lc_has_shine(const lc_light *light)
+{
+    return light->kind == LC_LIGHT_VIRTUAL && light->shine.roughness > 0;
+}
 
 #endif

@@ -45,9 +45,8 @@ _Static_assert(sizeof(lc_light_rec) == 32, "half a cache line");
 #define LC_DIR_FLAG 0x40000000u
 #define LC_DIR_SIGN 1u
 
-/* A, B, C of f(d): those of a light, and of a virtual one how narrowly it shines (light_virtual.h); or the
- * least ones of a cluster's lights, and a factor such that f(d) by the least ones is no less than it times
- * f(d) by any light's. */
+/* A, B, C of f(d): those of a light, and 0; or the least ones of a cluster's lights, and a factor such that
+ * f(d) by the least ones is no less than it times f(d) by any light's. */
 typedef float lc_atten[4];
 
 /* Records that only one kind of light has (LC_LIGHT_OWN), one for each of its nodes and lights; NULL: none.
@@ -63,7 +62,7 @@ typedef struct lc_tree_data {
     lc_node *nodes;
     lc_light_rec *lights;
     lc_atten *node_atten, *light_atten;
-    bool narrow; /* a virtual light is narrow */
+    lc_shine *light_shine; /* of all lights; NULL: no virtual light stands for a lobe */
     lc_own own[LC_LIGHT_KINDS];
     const lc_spot_map *spot_maps;
     const lc_profiles *profiles;

@@ -74,12 +74,12 @@ static bool alloc_own(lc_light_tree *t)
 static lc_status alloc_tree(lc_light_tree *t, const lc_light_tree_desc *desc)
 {
     bool other = false; /* some attenuation is not 1/d^2 */
+    bool by_lobe = false;
     for (size_t i = 0; i < desc->n_lights; i++) {
         const lc_light *l = &desc->lights[i];
         t->n_of_kind[l->kind]++;
-        const bool narrow = l->kind == LC_LIGHT_VIRTUAL && l->atten[3] > 0;
-        other |= narrow || (lc_is_attenuated(l->kind) && !lc_inverse_square(l->atten));
-        t->data.narrow |= narrow;
+        other |= lc_is_attenuated(l->kind) && !lc_inverse_square(l->atten);
+        by_lobe |= lc_has_shine(l);
     }
     for (int k = 0; k < LC_LIGHT_KINDS; k++) {
         uint32_t n = t->n_of_kind[k];
@@ -100,6 +100,8 @@ static lc_status alloc_tree(lc_light_tree *t, const lc_light_tree_desc *desc)
     t->data.spot_maps = desc->spot_maps;
     t->data.profiles = desc->profiles;
     if (!alloc_own(t)) return LC_ERR_MEMORY;
+    if (by_lobe && !(t->data.light_shine = lc_alloc(t->ctx, t->n_lights, sizeof *t->data.light_shine)))
+        return LC_ERR_MEMORY;
     if (!other) return LC_OK;
     t->data.node_atten = lc_alloc(t->ctx, t->n_nodes, sizeof *t->data.node_atten);
     t->data.light_atten = lc_alloc(t->ctx, t->n_lights, sizeof *t->data.light_atten);
@@ -111,9 +113,11 @@ static bool are_alike(const lc_light_tree *t, lc_light_kind kind, uint32_t a, ui
 {
     const lc_light_rec *x = &t->data.lights[a], *y = &t->data.lights[b];
     const lc_atten *atten = t->data.light_atten;
+    const lc_shine *shine = t->data.light_shine;
     const size_t own = lc_light_kinds[kind].own_size;
     return !memcmp(x->pos, y->pos, sizeof x->pos) && x->dir_a == y->dir_a && x->dir_b == y->dir_b &&
            (!atten || !memcmp(atten[a], atten[b], sizeof *atten)) &&
+           (!shine || !memcmp(&shine[a], &shine[b], sizeof *shine)) &&
            (!own || !memcmp(lc_light_own(&t->data, kind, a), lc_light_own(&t->data, kind, b), own));
 }
 
@@ -167,6 +171,7 @@ void lc_light_tree_destroy(lc_light_tree *t)
     lc_free(t->ctx, t->data.lights, t->n_lights, sizeof *t->data.lights);
     lc_free(t->ctx, t->data.node_atten, t->n_nodes, sizeof *t->data.node_atten);
     lc_free(t->ctx, t->data.light_atten, t->n_lights, sizeof *t->data.light_atten);
+    lc_free(t->ctx, t->data.light_shine, t->n_lights, sizeof *t->data.light_shine);
     for (int kind = 0; kind < LC_LIGHT_KINDS; kind++) {
         lc_free(t->ctx, t->data.own[kind].node, n_nodes_of(t, kind), lc_light_kinds[kind].own_size);
         lc_free(t->ctx, t->data.own[kind].light, t->n_of_kind[kind], lc_light_kinds[kind].own_size);
@@ -183,7 +188,8 @@ void lc_light_tree_destroy(lc_light_tree *t)
 size_t lc_light_tree_bytes(const lc_light_tree *t)
 {
     size_t node = sizeof *t->data.nodes + (t->data.node_atten ? sizeof(lc_atten) : 0);
-    size_t light = sizeof *t->data.lights + (t->data.light_atten ? sizeof(lc_atten) : 0);
+    size_t light = sizeof *t->data.lights + (t->data.light_atten ? sizeof(lc_atten) : 0) +
+                   (t->data.light_shine ? sizeof(lc_shine) : 0);
     size_t own = 0;
     for (int kind = 0; kind < LC_LIGHT_KINDS; kind++)
         own += ((size_t)n_nodes_of(t, kind) + t->n_of_kind[kind]) * lc_light_kinds[kind].own_size;

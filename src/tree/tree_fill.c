@@ -163,6 +163,7 @@ static void fill_light(const filler *f, uint32_t build, uint32_t light, sums *s)
     const lc_light_kind_info *kind = &lc_light_kinds[l.kind];
     if (kind->own_size) kind->light_own(lc_light_own(d, l.kind, light), &l);
     if (d->light_atten && lc_is_attenuated(l.kind)) memcpy(d->light_atten[light], l.atten, sizeof l.atten);
+    if (lc_has_shine(&l)) d->light_shine[light] = l.shine;
     lc_cluster_from_light(&s->c, &l);
 }
 

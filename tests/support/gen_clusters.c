@@ -8,6 +8,7 @@
 #include "shade/cluster.h"
 #include "shade/dir_pack.h"
 #include "shade/point_init.h"
+#include "shade/shine.h"
 #include "support/one_bound.h"
 #include "support/ref_bounds.h"
 
@@ -482,20 +483,30 @@ static void make_attenuation(gen_src *s, float atten[3], const space *b, gen_sty
     }
 }
 
+/* As shade/shine.h makes it, or any. */
+static void make_shine(gen_src *s, lc_light *l)
+{
+    const float roughness = (float)gen_real(s, gen_pick(s, 2) ? 0.2 : 0.02, 1);
+    lc_f3 from = lc_f3_normalize_d(gen_real(s, -1, 1), gen_real(s, -1, 1), gen_real(s, -1, 1));
+    if (!(fabsf(lc_f3_len(from) - 1) < 1e-3f)) from = lc_f3_make(0, 0, 1);
+    lc_shine_make(&l->shine, roughness, from, l->dir);
+    if (!gen_pick(s, 4)) l->shine.scale *= (float)decade(s, -3, 3);
+}
+
 static void make_light_values(gen_src *s, gen_case *c, const space *b, gen_style style)
 {
     double common = style == GEN_ORDINARY || !gen_pick(s, 2) ? 1
                                                              : decade(s, -15, style == GEN_EXTREME ? 24 : 15);
     bool coloured = gen_pick(s, 2), own = style != GEN_ORDINARY && !gen_pick(s, 4), vary = gen_pick(s, 2);
     bool dark = style != GEN_ORDINARY && !gen_pick(s, 32);
-    const bool narrow = c->lights[0].kind == LC_LIGHT_VIRTUAL && !gen_pick(s, 2);
+    const bool by_lobe = c->lights[0].kind == LC_LIGHT_VIRTUAL && !gen_pick(s, 2);
     float atten[3];
     make_attenuation(s, atten, b, style);
     for (uint32_t i = 0; i < c->n; i++) {
         lc_light *l = &c->lights[i];
         if (own) make_attenuation(s, atten, b, style);
         memcpy(l->atten, atten, sizeof atten);
-        if (narrow) l->atten[3] = (float)gen_pick(s, 4);
+        if (by_lobe && gen_pick(s, 4)) make_shine(s, l);
         double power = common * (!vary ? 1 : style == GEN_ORDINARY ? gen_real(s, 0.1, 1) : decade(s, -6, 6));
         lc_f3 tint = coloured ? colour(s, style) : lc_f3_make(1, 1, 1);
         if (dark) {

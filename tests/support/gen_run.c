@@ -56,6 +56,7 @@ lc_f3 gen_shade(const lc_point *p, const lc_light *l)
         lc_luminaire_rec_init(&own, l);
         return one_luminaire_transfer(p, &rec, &own, gen_profiles());
     }
+    if (l->kind == LC_LIGHT_VIRTUAL) return one_virtual_transfer(p, &rec, l->atten, &l->shine);
     if (l->kind != LC_LIGHT_SPOT)
         return one_transfer(p, l->kind, &rec, lc_is_attenuated(l->kind) ? l->atten : NULL);
     lc_spot_rec_init(&spot, l->spot.cos_total, l->spot.cos_start, 0);
@@ -81,6 +82,7 @@ typedef struct records {
     _Alignas(64) lc_node node[2 * GEN_MAX_LIGHTS];
     _Alignas(64) lc_light_rec light[GEN_MAX_LIGHTS];
     lc_atten node_atten[2 * GEN_MAX_LIGHTS], light_atten[GEN_MAX_LIGHTS];
+    lc_shine light_shine[GEN_MAX_LIGHTS];
     lc_spot_rec node_spot[2 * GEN_MAX_LIGHTS], light_spot[GEN_MAX_LIGHTS];
     lc_luminaire_rec node_luminaire[2 * GEN_MAX_LIGHTS], light_luminaire[GEN_MAX_LIGHTS];
     lc_tree_data data;
@@ -107,11 +109,11 @@ static void make_records(records *r, const gen_case *c, const tree *t)
     for (uint32_t i = 0; i < c->n; i++) {
         const lc_light *l = &c->lights[i];
         lc_light_rec_init(&r->light[i], l);
-        const bool narrow = l->kind == LC_LIGHT_VIRTUAL && l->atten[3] > 0;
-        r->light_atten[i][3] = narrow ? l->atten[3] : 0;
-        r->data.narrow |= narrow;
+        r->light_atten[i][3] = 0;
+        r->light_shine[i] = l->kind == LC_LIGHT_VIRTUAL ? l->shine : (lc_shine){ 0 };
+        if (lc_has_shine(l)) r->data.light_shine = r->light_shine;
         for (int a = 0; a < 3; a++) r->light_atten[i][a] = lc_is_attenuated(l->kind) ? l->atten[a] : a == 2;
-        plain = plain && !narrow && lc_inverse_square(r->light_atten[i]);
+        plain = plain && lc_inverse_square(r->light_atten[i]);
         if (l->kind == LC_LIGHT_LUMINAIRE) lc_luminaire_rec_init(&r->light_luminaire[i], l);
         if (l->kind == LC_LIGHT_SPOT)
             lc_spot_rec_init(&r->light_spot[i], l->spot.cos_total, l->spot.cos_start, 0);

@@ -34,6 +34,19 @@ lc_f3 one_transfer(const lc_point *p, lc_light_kind kind, const lc_light_rec *li
     return lc_estimate_one(&lc_kernels_scalar.shade, p, kind, light, atten);
 }
 
+lc_f3 one_virtual_transfer(const lc_point *p, const lc_light_rec *light, const float atten[3],
+                           const lc_shine *shine)
+{
+    float to[6][LC_LANES];
+    float *const out[6] = { to[0], to[1], to[2], to[3], to[4], to[5] };
+    lc_light_rec rec = *light;
+    lc_shine s = *shine;
+    lc_atten a = { atten[0], atten[1], atten[2], 0 };
+    const lc_tree_data tree = { .lights = &rec, .light_atten = &a, .light_shine = &s };
+    lc_kernels_scalar.shade.estimate(&tree, 0, NULL, 1, LC_LIGHT_VIRTUAL, p, out);
+    return lc_f3_make(to[0][0], to[1][0], to[2][0]);
+}
+
 lc_f3 one_spot_transfer(const lc_point *p, const lc_light_rec *light, const lc_spot_rec *spot,
                         const lc_spot_map *spot_maps)
 {

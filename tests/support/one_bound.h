@@ -21,6 +21,9 @@ float one_luminaire_bound(const lc_node *node, const lc_luminaire_rec *own, cons
 
 /* M G of one light, R G B, without visibility. atten: A, B, C, or NULL for 0, 0, 1. */
 lc_f3 one_transfer(const lc_point *p, lc_light_kind kind, const lc_light_rec *light, const float *atten);
+/* The same of a virtual light. */
+lc_f3 one_virtual_transfer(const lc_point *p, const lc_light_rec *light, const float atten[3],
+                           const lc_shine *shine);
 /* The same of a spot; spot_maps: those of the scene, or NULL. */
 lc_f3 one_spot_transfer(const lc_point *p, const lc_light_rec *light, const lc_spot_rec *spot,
                         const lc_spot_map *spot_maps);

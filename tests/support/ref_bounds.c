@@ -2,10 +2,10 @@
  *
  * [Miksik07] M. Miksik, Implementing Lightcuts, CESCG 2007. Equation numbers are of that report.
  * [Walter05b] B. Walter, Notes on the Ward BRDF, PCG-05-06, 2005.
- * [Walter07] Walter, Marschner, Li, Torrance, Microfacet models for refraction through rough surfaces, EGSR
- * 2007.
+ * [Walter07] Walter et al., Microfacet models for refraction through rough surfaces, EGSR 2007.
  */
 #include "support/ref_bounds.h"
+#include "support/ref_shine.h"
 
 #include "shade/dir_pack.h"
 #include "support/ref_receivers.h"
@@ -134,8 +134,6 @@ static double profile(double cos_total, double cos_start, double cos_phi)
 
 static double emission(const lc_light *l, double cos_phi)
 {
-    if (l->kind == LC_LIGHT_VIRTUAL && l->atten[3] > 0)
-        return cos_phi > 0 ? pow(fmin(cos_phi, 1), exp2((double)l->atten[3] + 1) - 1) : 0;
     if (l->kind != LC_LIGHT_SPOT) return lc_is_aimed(l->kind) ? cos_phi : 1;
     return profile((double)l->spot.cos_total, (double)l->spot.cos_start, cos_phi);
 }
@@ -226,6 +224,7 @@ static void table_range(const lc_light *l, const double angle[2], double *lo, do
 typedef struct terms {
     double cos_r, cos_m, cos_e, inv_f, i[3], h[3], sharp[2];
     double angle[2], sin_r; /* luminaires: azimuth, polar; sine at the receiver */
+    ref_shining shine;
 } terms;
 
 static void load_atten(double a[3], const lc_light *l)
@@ -244,7 +243,7 @@ static terms light_terms(const lc_point *p, const lc_light *l)
     ref_towards(p, l, v);
     double d2 = dot3(v, v), d = sqrt(fmax(d2, (double)LC_TINY_D2)); /* no shorter: point.h */
     for (int k = 0; k < 3; k++) w[k] = v[k] / d;
-    terms t = { dot3(n, w), dot3(m, w), 1, 1, { 0 }, { 0 }, { 0 }, { 0 }, 0 };
+    terms t = { dot3(n, w), dot3(m, w), 1, 1, { 0 }, { 0 }, { 0 }, { 0 }, 0, { 1, 1, 1 } };
     for (int k = 0; k < 3; k++)
         t.sin_r = hypot(t.sin_r, n[(k + 1) % 3] * w[(k + 2) % 3] - n[(k + 2) % 3] * w[(k + 1) % 3]);
     for (int k = 0; k < 2; k++) {
@@ -258,6 +257,7 @@ static terms light_terms(const lc_point *p, const lc_light *l)
     if (lc_is_aimed(l->kind)) {
         double len = sqrt(dot3(dir, dir));
         t.cos_e = len > 0 ? -dot3(dir, w) / len : 0;
+        t.shine = ref_shine(l, w, t.cos_e);
     }
     if (l->kind == LC_LIGHT_LUMINAIRE) light_angles(l, v, t.angle);
     if (!far) t.inv_f = 1 / falloff(atten, fmax(d2, (double)p->min_d2));
@@ -312,7 +312,7 @@ static double half_cosine(const lc_point *p, double x, double y, double z)
 static double emission_of(const lc_light *l, const terms *t)
 {
     if (l->kind == LC_LIGHT_LUMINAIRE) return table_at(profile_of(l), t->angle[0], t->angle[1]);
-    return emission(l, t->cos_e);
+    return emission(l, t->cos_e) * t->shine.exact;
 }
 
 void ref_transfer(const lc_point *p, const lc_light *l, double mg[3])
@@ -437,8 +437,8 @@ void ref_transfer_range(const lc_point *p, const lc_light *l, double lo[3], doub
            ee = lc_is_aimed(l->kind) ? cos_error(t.cos_e) : 0;
     /* A spot's quotient and smooth step are six operations more, the quotient's errors counted twice: 12 U */
     double spot = l->kind == LC_LIGHT_SPOT ? 12 * U : 0;
-    double e_lo = emission(l, fmin(t.cos_e, 1) - ee) * (1 - spot),
-           e_hi = emission(l, t.cos_e + ee) * (1 + spot);
+    double e_lo = emission(l, fmin(t.cos_e, 1) - ee) * (1 - spot) * t.shine.lo,
+           e_hi = emission(l, t.cos_e + ee) * (1 + spot) * t.shine.hi;
     if (l->kind == LC_LIGHT_LUMINAIRE) table_range(l, t.angle, &e_lo, &e_hi);
     if (p->lobe == LC_LOBE_PHASE) {
         const double e[2] = { ref_apart(p, l) ? e_lo : 0, e_hi };

@@ -7,7 +7,7 @@
 /* What the members have in common. */
 typedef struct common {
     double lo[3], hi[3], dlo[3], dhi[3], intensity[3], atten[3]; /* atten: the greatest */
-    bool narrow;                                                 /* one of them is */
+    bool by_lobe;                                                /* one of them stands for a lobe */
 } common;
 
 static common common_of(const lc_point *p, const lc_light *lights, uint32_t members)
@@ -20,7 +20,7 @@ static common common_of(const lc_point *p, const lc_light *lights, uint32_t memb
     for (uint32_t i = 0; members >> i; i++) {
         const lc_light *l = &lights[i];
         if (!(members >> i & 1)) continue;
-        c.narrow |= l->kind == LC_LIGHT_VIRTUAL && l->atten[3] > 0;
+        c.by_lobe |= lc_has_shine(l);
         for (int k = 0; k < 3; k++) {
             double d = (double)(&l->dir.x)[k], r = lc_is_sized(l->kind) ? (double)l->radius : 0;
             if (lc_is_far(l->kind)) r = ref_sky_half(l);
@@ -106,7 +106,8 @@ double ref_cluster_lower(const lc_point *p, const lc_light *lights, uint32_t mem
     if (!(s.z0 > 0)) return 0;
     double cos_r = lc_is_far(kind) ? s.z0 : least_cosine(&s);
     double g = lc_is_far(kind) ? s.z0 : geometry(p, &c, &s);
-    if (lc_is_aimed(kind)) g *= pow(emitted(&c), c.narrow ? 15 : 1);
+    if (c.by_lobe) return 0;
+    if (lc_is_aimed(kind)) g *= emitted(&c);
     const double c1 = fmin(cos_r, 1);
     if (p->coat)
         coat = 1 - ref_dielectric(sqrt(1 + (double)p->eta2_minus_1),
