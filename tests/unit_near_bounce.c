@@ -9,6 +9,7 @@
 #include "shade/dir_pack.h"
 #include "shade/point_init.h"
 #include "support/isas.h"
+#include "support/lamp_before_ceiling.h"
 #include "support/near.h"
 #include "support/one_scene.h"
 #include "tree/light_tree.h"
@@ -608,6 +609,21 @@ TEST(places_lie_within_walls)
 }
 
 /* A wall of two triangles that is in the shade where x < 0. */
+TEST(no_light_on_the_back_of_its_lamp)
+{
+    lc_render_desc d = LC_RENDER_DESC_INIT;
+    lc_image *image = NULL;
+    float most = 0;
+    scene_write("%s", LAMP_BEFORE_CEILING);
+    lc_scene *s = scene_from_file(ctx, NULL, scene_path());
+    d.spp = 4;
+    CHECK(s && !lc_render(ctx, s, &d, &image, NULL));
+    for (int i = 12 * 24; image && i < 24 * 24; i++) most = fmaxf(most, lc_image_channel(image, "G")[i]);
+    CHECKF(most > 0 && most < 2, "%g", (double)most);
+    lc_image_destroy(image);
+    lc_scene_destroy(s);
+}
+
 TEST(places_are_smaller_than_walls)
 {
     static lc_sensor sensor[N_SENSORS];
@@ -642,6 +658,7 @@ int main(void)
     RUN(the_last_bounce_is_not_reflected);
     RUN(sides_of_a_sheet_differ);
     RUN(places_lie_within_walls);
+    RUN(no_light_on_the_back_of_its_lamp);
     RUN(places_are_smaller_than_walls);
     one_scene_end();
     temp_end();
