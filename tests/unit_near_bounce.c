@@ -608,7 +608,7 @@ TEST(places_lie_within_walls)
     for (int i = 0; i < N_SENSORS; i++) CHECKF(of[i] < 1e-9, "sensor %d: %g", i, of[i]);
 }
 
-/* A wall of two triangles that is in the shade where x < 0. */
+/* No pixel of the lower half of its picture is nearly as bright as the lamps. */
 TEST(no_light_on_the_back_of_its_lamp)
 {
     lc_render_desc d = LC_RENDER_DESC_INIT;
@@ -624,6 +624,7 @@ TEST(no_light_on_the_back_of_its_lamp)
     lc_scene_destroy(s);
 }
 
+/* A wall of two triangles that is in the shade where x < 0. */
 TEST(places_are_smaller_than_walls)
 {
     static lc_sensor sensor[N_SENSORS];

@@ -85,12 +85,12 @@ typedef struct lc_luminaire {
 
 /* How a virtual light shines that stands for what a lobe reflects: light_virtual.h. */
 typedef struct lc_shine {
-    uint32_t from[2]; /* where its own light came from, packed (dir_pack.h) */
+    uint32_t from[2]; /* direction to where the light that it reflects comes from, packed (dir_pack.h) */
     float roughness;  /* of the lobe; 0: there is none, and it shines by the cosine alone */
     float scale;      /* such that the lobe is at most 1 */
 } lc_shine;
 
-#define LC_SHINE_COS 0x1p-7f /* least cosine of where its light came from */
+#define LC_SHINE_COS 0x1p-7f /* least cosine between `from` and the light's direction */
 
 typedef struct lc_light {
     lc_f3 pos;       /* world space; unused where the kind is far */

@@ -59,6 +59,7 @@ LC_INLINE vf virtual_shine(const lc_tree_data *t, const float *const *light, con
     for (uint32_t l = 0; l < VF_LANES; l++)
         row[l] = (const float *)(const void *)&t->light_shine[light_index(t, light[l])];
     vf_rows(row, 0, k);
+    if (!vf_any_gt(k[2], zero)) return one;
     unpack(k[0], k[1], i);
     const vf cos_i = vf_max(dot_rows(i, normal), least), a2 = vf_max(k[2] * k[2], vf_set(LC_TINY_D2));
     cos_o = vf_max(cos_o, zero);

@@ -5,8 +5,8 @@
 #include "shade/dir_pack.h"
 #include "shade/reflected.h"
 
-#define STEPS 16      /* of angles at which q is looked at */
-#define ABOVE 1.02    /* greatest q over the greatest that is found there */
+#define STEPS 16      /* of cosines at which q is looked at */
+#define ABOVE 1.02    /* greatest q over the greatest found there: at most 1.0141 for a of 0.2 to 1 */
 
 static double smith_length(double cosine, double a2)
 {
