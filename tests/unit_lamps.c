@@ -37,6 +37,19 @@ TEST(flux_is_exact)
     for (size_t i = 0; i < scene->n_lights; i++) CHECK(scene->lights[i].dir.y < -0.999f);
 }
 
+/* Lights are off their lamp, the more the larger its coordinates; they are its own all the same. */
+TEST(lamps_know_their_lights)
+{
+    static const char *const at[] = { "0 1 0", ".9 40 .9" };
+    for (int i = 0; i < 2; i++) {
+        char text[4096];
+        snprintf(text, sizeof text, VIEW FLOOR LAMP("9 9 9", "%s", ".05"), at[i]);
+        CHECK(load_text(&direct, text) == LC_OK && scene->lamps.n == 1 && scene->n_lights > 0);
+        const double spacing = (double)scene->lamps.lamp[0].spacing, n = (double)scene->n_lights;
+        CHECKF(fabs(spacing / sqrt(0.05 * 0.05 / n) - 1) < 1e-3, "%g apart, %g lights", spacing, n);
+    }
+}
+
 /* Double precision, from the formula: what a light of the floor's reflectance gives at a point above y = 0.
  */
 static double given(const lc_light *l, const double x[3])
@@ -433,6 +446,7 @@ int main(void)
     direct.indirect_lights = LC_NO_LIGHTS;
     ctx = quiet_context(2);
     RUN(flux_is_exact);
+    RUN(lamps_know_their_lights);
     RUN(no_light_stands_for_much);
     RUN(spots_do_not_starve_the_picture);
     RUN(lights_are_where_they_matter);

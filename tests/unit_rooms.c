@@ -26,7 +26,8 @@ typedef struct {
     double height;
     char kinds[6]; /* of its surfaces, one of four drawn for each: d diffuse, c coated, m metal, n metal of a
                     * narrow lobe, x mirrors; then s: the sun shines in by a window and is all its light but
-                    * for the sky, or a: none but lamps with an area, which alone a path finds in a mirror */
+                    * for the sky, or a: none but lamps with an area, which alone a path finds in a
+                    * mirror; f: the room is far from the origin */
 } room;
 
 LC_PRINTF(2, 3)
@@ -208,14 +209,16 @@ static void make_room(room *r, const char *kinds, uint64_t seed, uint32_t depth)
     r->half[0] = rnd_in(1.5, 3);
     r->half[2] = rnd_in(1.5, 3);
     strcpy(r->kinds, kinds);
-    const bool sun = strchr(kinds, 's') != NULL, window = rnd() < 0.4 || sun;
+    const bool sun = strchr(kinds, 's') != NULL, window = rnd() < 0.4 || sun, far = strchr(kinds, 'f');
     add(r, "LookAt %.3f", rnd_in(-0.5, 0.5));
     add(r, " %.3f %.3f", rnd_in(0.9, 1.8), -0.84 * r->half[2]);
     add(r, " %.3f", rnd_in(-0.4, 0.4));
     add(r, " %.3f %.3f 0 1 0\n", rnd_in(0.8, 1.4), 0.8 * r->half[2]);
+    if (far) add(r, "Translate -10000 -5000 7000\n");
     add(r, "Camera \"perspective\" \"float fov\" %.1f\n", rnd_in(50, 75));
     add(r, "Integrator \"volpath\" \"integer maxdepth\" %u\nPixelFilter \"box\"\n", depth);
     add(r, "Film \"rgb\" \"integer xresolution\" %d \"integer yresolution\" %d\nWorldBegin\n", SIDE, SIDE);
+    if (far) add(r, "Translate 10000 5000 -7000\n");
     add_walls(r, window);
     for (uint32_t i = 1 + rnd_n(4); i; i--) add_box(r);
     for (uint32_t i = rnd_n(3); i; i--) add_sphere(r, false);
@@ -322,6 +325,7 @@ TEST(matte_rooms) { expect("dddd", 1, 4, 8, 0.01, 0.025, 0.04); }
 TEST(sunny_rooms) { expect("dddds", 31, 4, 8, 0.015, 0.035, 0.05); }
 TEST(coated_rooms) { expect("dddc", 11, 3, 8, 0.01, 0.03, 0.05); }
 TEST(rooms_with_metal) { expect("dddm", 21, 3, 8, 0.015, 0.04, 0.08); }
+TEST(far_from_the_origin) { expect("dddcf", 1, 3, 8, 0.015, 0.03, 0.05); }
 TEST(narrow_metal) { expect("dnnna", 43, 2, 2, 0.02, 0.06, 0.08); }
 TEST(mirrors) { expect("dddxa", 51, 2, 3, 0.02, 0.06, 0.08); }
 
@@ -335,6 +339,7 @@ int main(void)
     RUN(sunny_rooms);
     RUN(coated_rooms);
     RUN(rooms_with_metal);
+    RUN(far_from_the_origin);
     RUN(narrow_metal);
     RUN(mirrors);
     lc_context_destroy(ctx);

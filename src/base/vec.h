@@ -32,6 +32,12 @@ static inline float lc_f3_dot(lc_f3 a, lc_f3 b) { return a.x * b.x + a.y * b.y +
 static inline float lc_f3_len(lc_f3 a) { return sqrtf(lc_f3_dot(a, a)); }
 static inline float lc_f3_max(lc_f3 a) { return fmaxf(a.x, fmaxf(a.y, a.z)); }
 static inline float lc_f3_max_abs(lc_f3 a) { return fmaxf(fabsf(a.x), fmaxf(fabsf(a.y), fabsf(a.z))); }
+/* A point on a surface with unit normal n moved off it by 10 ulp of size, the largest coordinate of the
+ * surface's corners: an interpolated point is within 4 ulp of the plane; twice that, and 2 for the sum. */
+static inline lc_f3 lc_f3_off(lc_f3 p, lc_f3 n, float size)
+{
+    return lc_f3_add(p, lc_f3_scale(n, 10 * 0x1p-23f * size));
+}
 static inline bool lc_f3_finite(lc_f3 a) { return isfinite(a.x) && isfinite(a.y) && isfinite(a.z); }
 
 static inline lc_f3 lc_f3_cross(lc_f3 a, lc_f3 b)

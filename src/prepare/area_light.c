@@ -17,6 +17,7 @@
 #include "base/rng.h"
 #include "prepare/area_map.h"
 #include "prepare/emitter.h"
+#include "prepare/triangle.h"
 
 #define INV_GOLDEN_RATIO 0.61803398874989484820 /* generator of the rank-1 lattice */
 #define ROUNDING 1e-6 /* lights: sums that miss an integer by rounding still reach it */
@@ -24,17 +25,13 @@
 /* Appends k lights like `light` at stratified points of the triangle. sign: 0 or 1, for the two sides. */
 static lc_status spread(lc_scene *s, size_t tri, uint32_t k, lc_light *light, uint64_t sign, uint64_t seed)
 {
-    const float *p[3];
-    for (size_t v = 0; v < 3; v++) p[v] = lc_tri_vertex(s->pos, s->index, tri, v);
     for (uint32_t i = 0; i < k; i++) {
         double u = (i + lc_unit(lc_hash4(seed, tri, i, sign))) / k;
         double v = i * INV_GOLDEN_RATIO + lc_unit(lc_hash4(seed, tri, 0, 2 + sign));
         v += lc_unit(lc_hash4(seed, tri, i, 4 + sign)) / k;
         v -= floor(v);
-        double b0 = 1 - sqrt(u), b1 = v * sqrt(u), b2 = 1 - b0 - b1;
-        light->pos = lc_f3_make((float)(b0 * p[0][0] + b1 * p[1][0] + b2 * p[2][0]),
-                                (float)(b0 * p[0][1] + b1 * p[1][1] + b2 * p[2][1]),
-                                (float)(b0 * p[0][2] + b1 * p[1][2] + b2 * p[2][2]));
+        const double b[2] = { v * sqrt(u), (1 - v) * sqrt(u) };
+        light->pos = lc_tri_light_at(s, tri, lc_tri_point(s, tri, b), light->dir);
         lc_status st = lc_scene_add_light(s, (lc_pos){ 0, 0, 0 }, light);
         if (st) return st;
     }

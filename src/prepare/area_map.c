@@ -7,6 +7,7 @@
 #include "prepare/area_map.h"
 
 #include "base/rng.h"
+#include "prepare/triangle.h"
 #include "scene/material_eval.h"
 
 #include <string.h>
@@ -19,7 +20,8 @@
 typedef struct walk {
     lc_scene *scene;
     const lc_mipmap *map;
-    double p[3][3], uv[3][2]; /* of the triangle's vertices */
+    size_t tri;
+    double uv[3][2];          /* of its vertices */
     double width;             /* of a piece, in texels */
     double weight[3];         /* power of each channel */
     double sum[3];            /* colour of all pieces, or of the current run so far */
@@ -85,13 +87,11 @@ static double power_of(const walk *w, const double rgb[3])
 /* A random point of the piece, in world space, for the current light. */
 static lc_f3 place_in(const walk *w, const double c[3][2])
 {
-    double u = sqrt(lc_unit(lc_hash4(w->seed, w->made, 0, 0))), v = lc_unit(lc_hash4(w->seed, w->made, 0, 1)),
-           x[3];
-    double a[3] = { 1 - u, u * (1 - v), u * v };
-    double b1 = a[0] * c[0][0] + a[1] * c[1][0] + a[2] * c[2][0],
-           b2 = a[0] * c[0][1] + a[1] * c[1][1] + a[2] * c[2][1];
-    for (int k = 0; k < 3; k++) x[k] = (1 - b1 - b2) * w->p[0][k] + b1 * w->p[1][k] + b2 * w->p[2][k];
-    return lc_f3_make((float)x[0], (float)x[1], (float)x[2]);
+    const double u = sqrt(lc_unit(lc_hash4(w->seed, w->made, 0, 0))),
+                 v = lc_unit(lc_hash4(w->seed, w->made, 0, 1)), a[3] = { 1 - u, u * (1 - v), u * v },
+                 b[2] = { a[0] * c[0][0] + a[1] * c[1][0] + a[2] * c[2][0],
+                          a[0] * c[0][1] + a[1] * c[1][1] + a[2] * c[2][1] };
+    return lc_tri_light_at(w->scene, w->tri, lc_tri_point(w->scene, w->tri, b), w->base->dir);
 }
 
 static void add_light(walk *w)
@@ -135,11 +135,9 @@ static uint32_t begin(walk *w, const lc_scene *scene, size_t tri, uint32_t k)
     const lc_mesh *mesh = &scene->meshes[scene->tri_mesh[tri]];
     double longest = 0;
     uint32_t depth = 0;
+    w->tri = tri;
     w->map = &scene->emission_maps[mesh->emission_map - 1];
-    for (size_t v = 0; v < 3; v++) {
-        for (int i = 0; i < 3; i++) w->p[v][i] = (double)lc_tri_vertex(scene->pos, scene->index, tri, v)[i];
-        lc_textured_uv(scene, mesh, (uint32_t)tri, v, w->uv[v]);
-    }
+    for (size_t v = 0; v < 3; v++) lc_textured_uv(scene, mesh, (uint32_t)tri, v, w->uv[v]);
     for (size_t v = 0; v < 3; v++) {
         double du = (w->uv[v][0] - w->uv[(v + 1) % 3][0]) * w->map->levels[0].width;
         double dv = (w->uv[v][1] - w->uv[(v + 1) % 3][1]) * w->map->levels[0].height;

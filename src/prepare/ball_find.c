@@ -2,6 +2,7 @@
 #include "prepare/ball_find.h"
 
 #include "prepare/emitter.h"
+#include "prepare/triangle.h"
 
 #define MIN_TRIANGLES 40
 #define ROUND 1e-3   /* of the radius: how far vertices may be off it */

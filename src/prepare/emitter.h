@@ -1,4 +1,4 @@
-/* emitter.h - an emissive triangle: its sides, area and power; the box of a mesh. */
+/* emitter.h - an emissive triangle: its sides, area and power. */
 #ifndef LC_EMITTER_H
 #define LC_EMITTER_H
 
@@ -13,12 +13,6 @@ typedef struct lc_emitter {
 } lc_emitter;
 
 lc_emitter lc_emitter_of(const lc_scene *scene, size_t tri);
-/* The area of a triangle, its point at b, the weights of vertices 1 and 2, and the box of a mesh; world
- * space. */
-double lc_tri_area(const lc_scene *scene, size_t tri);
-lc_f3 lc_tri_point(const lc_scene *scene, size_t tri, const double b[2]);
-lc_box lc_mesh_box(const lc_scene *scene, const lc_mesh *mesh);
-
 /* Unit normal of a side: sign is e->side, or for the other side -e->side. */
 static inline lc_f3 lc_emitter_normal(const lc_emitter *e, double sign)
 {

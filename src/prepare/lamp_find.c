@@ -1,22 +1,23 @@
 /* lamp_find.c - see lamp_find.h. */
 #include "prepare/lamp_find.h"
 
-#include "prepare/emitter.h"
+#include "prepare/triangle.h"
 
 #include <math.h>
 
-#define BOX_PAD 1e-5f /* of a box's size */
+#define BOX_PAD 1e-5f /* of a box's size, for rounding */
 
-/* The box of a mesh, a little larger for the rounding of lights that lie on it, and its area. */
+/* The box of a mesh with the lights that lie on it, which are off it, and its area. */
 static lc_box measure(const lc_scene *s, const lc_mesh *mesh, double *area)
 {
     lc_box box = lc_mesh_box(s, mesh);
     *area = 0;
     for (size_t i = 0; i < mesh->n_tris; i++) *area += lc_tri_area(s, mesh->first_tri + i);
     lc_f3 d = lc_f3_sub(box.hi, box.lo);
-    float pad = BOX_PAD * lc_f3_max(d);
-    box.lo = lc_f3_sub(box.lo, lc_f3_make(pad, pad, pad));
-    box.hi = lc_f3_add(box.hi, lc_f3_make(pad, pad, pad));
+    const float pad = BOX_PAD * lc_f3_max(d), far = fmaxf(lc_f3_max_abs(box.lo), lc_f3_max_abs(box.hi));
+    const lc_f3 outwards = lc_f3_make(1, 1, 1);
+    box.lo = lc_f3_off(lc_f3_sub(box.lo, lc_f3_scale(outwards, pad)), lc_f3_neg(outwards), far);
+    box.hi = lc_f3_off(lc_f3_add(box.hi, lc_f3_scale(outwards, pad)), outwards, far);
     return box;
 }
 

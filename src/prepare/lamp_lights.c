@@ -17,6 +17,7 @@
 #include "prepare/area_map.h"
 #include "prepare/ball_find.h"
 #include "prepare/lamp_patches.h"
+#include "prepare/triangle.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -61,9 +62,10 @@ lc_light lc_patch_light(const lc_patches *m, const lc_patch *p)
     weight[corner_of(m, p)] = 2.0 / 3;
     lc_f3 flux = lc_f3_make((float)(e->flux[0] * part), (float)(e->flux[1] * part),
                             (float)(e->flux[2] * part));
+    const lc_f3 n = lc_emitter_normal(e, p->sign);
     return (lc_light){ .kind = LC_LIGHT_ORIENTED,
-                       .pos = lc_patch_point(m, p, weight),
-                       .dir = lc_emitter_normal(e, p->sign),
+                       .pos = lc_tri_light_at(m->scene, source->tri, lc_patch_point(m, p, weight), n),
+                       .dir = n,
                        .intensity = lc_f3_mul(lc_patch_mesh(m, p)->emission, flux),
                        .atten = { 0, 0, 1 },
                        .group = lc_patch_mesh(m, p)->group };

@@ -6,6 +6,7 @@
 #include "prepare/ball_find.h"
 #include "prepare/emitter.h"
 #include "prepare/env_light.h"
+#include "prepare/triangle.h"
 #include "shade/light_kind.h"
 
 #define SKY_LIGHTS LC_SIZE(16384u, 96u) /* directions of an environment, of equal power */
@@ -121,10 +122,11 @@ static void draw_place(const lc_scene *s, const lc_path_source *source, const do
     if (mesh->emission_map) lc_area_map_at(s, source->index, b, rgb);
     const double area = e.twice / 2;
     const lc_f3 colour = lc_f3_make((float)(rgb[0] * area), (float)(rgb[1] * area), (float)(rgb[2] * area));
+    const lc_f3 n = lc_emitter_normal(&e, source->what == LC_PATH_OTHER_SIDE ? -e.side : e.side);
     *light = (lc_light){
         .kind = LC_LIGHT_ORIENTED,
-        .pos = lc_tri_point(s, source->index, b),
-        .dir = lc_emitter_normal(&e, source->what == LC_PATH_OTHER_SIDE ? -e.side : e.side),
+        .pos = lc_tri_light_at(s, source->index, lc_tri_point(s, source->index, b), n),
+        .dir = n,
         .intensity = lc_f3_mul(mesh->emission, colour),
         .atten = { 0, 0, 1 },
         .group = mesh->group,

@@ -195,10 +195,10 @@ static float roughness_of(const lc_material *m)
     return fminf(fmaxf(sqrtf(a2), LEAST_ROUGHNESS), 1);
 }
 
-static void store(path *p, const lc_surface *s, const leaving *l)
+static void store(path *p, lc_f3 pos, const leaving *l)
 {
     lc_light light = { .kind = LC_LIGHT_VIRTUAL,
-                       .pos = s->pos,
+                       .pos = pos,
                        .dir = l->normal,
                        .group = p->group };
     float factor = (float)(1 / LC_PI);
@@ -252,11 +252,12 @@ static bool scatter(path *p, const lc_surface *s, uint32_t depth)
 {
     const lc_f3 all = albedo(&s->material, -lc_f3_dot(p->dir, s->n));
     leaving back, on = { .flux = s->material.kt, .normal = lc_f3_neg(s->n) };
-    float org[3], sum = lc_luminance(all) + lc_luminance(on.flux),
-                  share = sum > 0 ? lc_luminance(all) / sum : 1;
+    const float sum = lc_luminance(all) + lc_luminance(on.flux),
+                share = sum > 0 ? lc_luminance(all) / sum : 1;
+    const lc_f3 before = lc_f3_load(s->ray_org), behind = lc_surface_behind(s);
     reflect(p, s, depth, all, &back);
-    store(p, s, &back);
-    store(p, s, &on);
+    store(p, before, &back);
+    store(p, behind, &on);
     if (!(sum > 0) || *p->n_lights == PATH_LIGHTS) return false;
     bool through = toss(p, depth) >= (double)share;
     const leaving *l = through ? &on : &back;
@@ -268,9 +269,7 @@ static bool scatter(path *p, const lc_surface *s, uint32_t depth)
         flux = lc_f3_scale(flux, 1 / stay);
     }
     p->flux = flux;
-    lc_f3_store(org, lc_f3_load(s->ray_org));
-    if (through) lc_surface_behind(s, org);
-    p->org = lc_f3_load(org);
+    p->org = through ? behind : before;
     p->dir = l->roughness > 0 ? l->next : draw_cosine(p, l->normal);
     return true;
 }
@@ -278,12 +277,13 @@ static bool scatter(path *p, const lc_surface *s, uint32_t depth)
 /* Continues the path at a mirror or glass; false: its flux is 0. */
 static bool scatter_specular(path *p, const lc_surface *s, uint32_t depth)
 {
-    float org[3], cos_i = -lc_f3_dot(p->dir, s->n);
+    const float cos_i = -lc_f3_dot(p->dir, s->n);
+    const lc_f3 before = lc_f3_load(s->ray_org);
     if (!s->material.glass) {
         const lc_f3 part = lc_reflectance(&s->material, cos_i, !s->front), dir = lc_mirror_leave(s, p->dir);
-        store(p, s, &(leaving){ .flux = part, .normal = s->n, .roughness = LEAST_ROUGHNESS });
+        store(p, before, &(leaving){ .flux = part, .normal = s->n, .roughness = LEAST_ROUGHNESS });
         p->flux = lc_f3_mul(p->flux, part);
-        p->org = lc_f3_load(s->ray_org);
+        p->org = before;
         p->dir = dir;
         return lc_f3_max(p->flux) > 0;
     }
@@ -295,8 +295,7 @@ static bool scatter_specular(path *p, const lc_surface *s, uint32_t depth)
     bool through = toss(p, depth) >= (double)share;
     p->flux = lc_f3_mul(p->flux, lc_f3_scale(through ? split.through : split.reflected,
                                              1 / (through ? 1 - share : share)));
-    lc_surface_behind(s, org);
-    p->org = through ? lc_f3_load(org) : lc_f3_load(s->ray_org);
+    p->org = through ? lc_surface_behind(s) : before;
     p->dir = through ? split.out : lc_mirror_leave(s, p->dir);
     return lc_f3_max(p->flux) > 0;
 }
@@ -304,11 +303,9 @@ static bool scatter_specular(path *p, const lc_surface *s, uint32_t depth)
 /* The next surface; light passes what is only seen. */
 static bool meet(path *p, lc_surface *s)
 {
-    float org[3];
     for (uint32_t i = 0; i < LC_MAX_BOUNCES && lc_surface_hit(p->m->scene, p->org, p->dir, 0, s); i++) {
         if (!s->only_seen) return true;
-        lc_surface_behind(s, org);
-        p->org = lc_f3_load(org);
+        p->org = lc_surface_behind(s);
     }
     return false;
 }

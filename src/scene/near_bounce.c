@@ -32,7 +32,6 @@
 #define MOST_CELLS 32768   /* along an edge */
 #define MOST_IN_ROW 65536    /* triangles that share a place */
 #define LIGHT_NEAR 4.0f    /* shares over pi: among lights evenly spread one in 50 places has none */
-#define LIGHT_LIFT 0x1p-20f /* of its largest coordinate: where shadow rays start */
 #define SAME_WAY 0.7f      /* cosine between their normals */
 #define OF_METAL 4.0f      /* size of places of metals that are seen in lobes, of others within reach */
 #define END_ROUGHNESS 0.2f /* least of metals that are seen in lobes */
@@ -346,7 +345,7 @@ static bool place_of_light(const lc_near_places *b, const lc_hit *hit, const tri
     const lc_f3 facing = lc_f3_load(q.place[0]->n);
     if (!(q.d2[0] < LIGHT_NEAR * l->atten[0] / LC_VPL_DISC)) return false;
     *at = (lc_surface){ .pos = l->pos, .n = facing, .ng = facing };
-    lc_f3_store(at->ray_org, lc_f3_add(l->pos, lc_f3_scale(facing, LIGHT_LIFT * lc_f3_max_abs(l->pos))));
+    lc_f3_store(at->ray_org, l->pos);
     *key = q.place[0]->light;
     return true;
 }
@@ -389,13 +388,11 @@ static bool is_metal(const lc_material *m)
     return lc_luminance(lc_reflectance(m, 1, false)) > lc_luminance(m->kd);
 }
 
-/* Makes the lit point of a place white, or, of metal seen along dir, as it is. Returns whether it is that. It
- * is off its surface, as rays start: a lamp's lights may lie just where a place on its back does. */
+/* Makes the lit point of a place white, or, of metal seen along dir, as it is. Returns whether it is that. */
 static bool make_lit(const lc_surface *at, bool metal, lc_f3 dir, lc_lit *lit, uint64_t *key)
 {
     uint32_t bits[3];
     *lit = (lc_lit){ .surface = *at, .view = at->n, .weight = { 1, 1, 1 }, .no_rays = true };
-    lit->surface.pos = lc_f3_load(at->ray_org);
     lc_material *m = &lit->surface.material;
     if (!metal || !is_metal(m) || !shared_view(dir, at, &lit->view)) {
         lit->view = at->n; /* not the shared one */

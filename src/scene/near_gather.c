@@ -46,7 +46,7 @@ static void go_on(const lc_scene *s, const lc_hit *hit, way *w)
     w->gone = hit->t;
     if (mesh->n_places || mesh->clear) {
         if (!mesh->n_places) w->through = lc_f3_mul(w->through, lc_alpha_through(s, hit, d));
-        lc_surface_behind(&at, w->org);
+        lc_f3_store(w->org, lc_surface_behind(&at));
         return;
     }
     w->through = lc_f3_mul(w->through, lc_reflectance(&at.material, -lc_f3_dot(w->dir, at.n), !at.front));

@@ -82,7 +82,6 @@ static void meet_mirror(trace *t, const ray *r, const lc_surface *s, float min_w
 static void meet_glass(trace *t, const ray *r, const lc_surface *s)
 {
     lc_split split;
-    float behind[3];
     lc_glass_split(s, r->dir, &split);
     lc_f3 back = lc_f3_mul(r->weight, split.reflected);
     lc_f3 on = lc_f3_scale(lc_f3_mul(r->weight, split.through), split.radiance);
@@ -94,9 +93,8 @@ static void meet_glass(trace *t, const ray *r, const lc_surface *s)
     }
     t->n_splits += is_back && is_on;
     if (is_back) send(t, r, lc_f3_load(s->ray_org), lc_mirror_leave(s, r->dir), back, s->t);
-    lc_surface_behind(s, behind);
     if (!is_on) return;
-    send(t, r, lc_f3_load(behind), split.out, on, s->t);
+    send(t, r, lc_surface_behind(s), split.out, on, s->t);
     t->rays[t->n_rays - 1].narrow = r->narrow; /* lamps shine through glass */
 }
 
@@ -104,7 +102,7 @@ static void meet_glass(trace *t, const ray *r, const lc_surface *s)
 static void turn_over(lc_lit *lit)
 {
     lc_surface *s = &lit->surface;
-    lc_surface_behind(s, s->ray_org);
+    lc_f3_store(s->ray_org, lc_surface_behind(s));
     s->n = lc_f3_neg(s->n);
     s->ng = lc_f3_neg(s->ng);
     s->front = !s->front;

@@ -13,21 +13,9 @@ static lc_f3 mix(const float *const v[3], float u, float w)
                       s * v[0][2] + u * v[1][2] + w * v[2][2]);
 }
 
-/* Offset of shadow-ray origins, in ulp of the triangle's largest coordinate: the interpolated position is
- * within 4 ulp of the plane; twice that, and 2 for rounding the origin itself. */
-#define OFFSET_ULP 10
-
-/* size: the largest absolute coordinate of the triangle's vertices. */
-static void set_ray_origin(lc_surface *s, lc_f3 ng, float size)
+lc_f3 lc_surface_behind(const lc_surface *s)
 {
-    lc_f3 o = lc_f3_add(s->pos, lc_f3_scale(ng, OFFSET_ULP * 0x1p-23f * size));
-    lc_f3_store(s->ray_org, o);
-}
-
-void lc_surface_behind(const lc_surface *s, float org[3])
-{
-    const float pos[3] = { s->pos.x, s->pos.y, s->pos.z };
-    for (int k = 0; k < 3; k++) org[k] = pos[k] - (s->ray_org[k] - pos[k]);
+    return lc_f3_sub(s->pos, lc_f3_sub(lc_f3_load(s->ray_org), s->pos));
 }
 
 /* Transforms the corners of an instance's triangle to the world, to the same bits as pbrt/object.c does when
@@ -48,7 +36,7 @@ static void place_corners(const lc_instance *at, bool has_normals, lc_corners *c
     }
 }
 
-/* How much a shadow ray's rounding into object space adds to `size` of set_ray_origin: an error of e along
+/* How much a shadow ray's rounding into object space adds to the `size` of its origin: an error of e along
  * each axis of object space shifts the ray by e |M^T n|_1 along n, and e is proportional to the triangle's
  * largest coordinate. */
 static float object_size(const lc_scene *scene, const lc_hit *hit, lc_f3 n)
@@ -141,7 +129,7 @@ void lc_surface_move(const lc_scene *scene, const lc_hit *hit, lc_surface *s)
     for (size_t k = 0; k < 3; k++) v[k] = lc_tri_vertex(scene->pos, scene->index, hit->tri, k);
     s->pos = mix(v, hit->u, hit->v);
     s->t = hit->t;
-    set_ray_origin(s, s->ng, largest_coordinate(v));
+    lc_f3_store(s->ray_org, lc_f3_off(s->pos, s->ng, largest_coordinate(v)));
 }
 
 void lc_surface_of(const lc_scene *scene, const lc_hit *hit, lc_f3 dir, double pixel, lc_surface *out)
@@ -173,5 +161,5 @@ void lc_surface_of(const lc_scene *scene, const lc_hit *hit, lc_f3 dir, double p
     if (mesh->emission_map && lc_f3_max(out->emission) > 0)
         out->emission = lc_f3_mul(out->emission, lc_textured_emission(scene, mesh, v, hit, dir, pixel));
     if (mesh->brushed) out->material.tangent = lc_textured_tangent(scene, mesh, v, hit);
-    set_ray_origin(out, ng, size);
+    lc_f3_store(out->ray_org, lc_f3_off(out->pos, ng, size));
 }

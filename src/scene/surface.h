@@ -51,6 +51,6 @@ void lc_hit_corners(const lc_scene *scene, const lc_mesh *mesh, const lc_hit *hi
 bool lc_hit_normals(const lc_mesh *mesh, const lc_hit *hit, const lc_corners *corners, lc_f3 *ng, lc_f3 *ns);
 
 /* The origin of rays that leave on the other side of the surface. */
-void lc_surface_behind(const lc_surface *s, float org[3]);
+lc_f3 lc_surface_behind(const lc_surface *s);
 
 #endif

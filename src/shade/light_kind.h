@@ -59,12 +59,10 @@ typedef struct lc_light_kind_info {
 
 extern const lc_light_kind_info lc_light_kinds[LC_LIGHT_KINDS];
 
-#define LC_EMIT_OFFSET (10 * 0x1p-23f) /* of the greatest coordinate: ten of its ulps */
-
 /* The origin of a ray along `way`, off the light so that the ray does not meet the surface it lies on. */
 static inline lc_f3 lc_emit_clear(const lc_light *light, lc_f3 way)
 {
-    return lc_f3_add(light->pos, lc_f3_scale(way, LC_EMIT_OFFSET * lc_f3_max_abs(light->pos)));
+    return lc_f3_off(light->pos, way, lc_f3_max_abs(light->pos));
 }
 
 #endif
