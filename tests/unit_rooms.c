@@ -24,10 +24,10 @@ typedef struct {
     size_t n;
     double half[3]; /* x 0 z: the room is about 0 */
     double height;
-    char kinds[6]; /* of its surfaces, one of four drawn for each: d diffuse, c coated, m metal, n metal of a
+    char kinds[8]; /* of its surfaces, one of four drawn for each: d diffuse, c coated, m metal, n metal of a
                     * narrow lobe, x mirrors; then s: the sun shines in by a window and is all its light but
                     * for the sky, or a: none but lamps with an area, which alone a path finds in a
-                    * mirror; f: the room is far from the origin */
+                    * mirror; f: the room is far from the origin; g: panes of glass stand in it */
 } room;
 
 LC_PRINTF(2, 3)
@@ -129,6 +129,14 @@ static void add_box(room *r)
     add_quad(r, p[3], across, along);
 }
 
+static void add_pane(room *r)
+{
+    const double x = rnd_in(-1, 1), z = rnd_in(-0.5, 1), turn = rnd_in(0, 3.1), side = rnd_in(0.8, 2),
+                 along[3] = { side * cos(turn), 0, side * sin(turn) }, up[3] = { 0, rnd_in(0.8, 2.2), 0 };
+    add(r, "Material \"thindielectric\"\n");
+    add_quad(r, (const double[3]){ x - along[0] / 2, 0.05, z - along[2] / 2 }, along, up);
+}
+
 static void add_place(room *r, double least, double most)
 {
     add(r, "%.4f", rnd_in(0.5 - r->half[0], r->half[0] - 0.5));
@@ -222,6 +230,7 @@ static void make_room(room *r, const char *kinds, uint64_t seed, uint32_t depth)
     add_walls(r, window);
     for (uint32_t i = 1 + rnd_n(4); i; i--) add_box(r);
     for (uint32_t i = rnd_n(3); i; i--) add_sphere(r, false);
+    for (int i = 0; i < 2 && strchr(kinds, 'g'); i++) add_pane(r);
     add_lights(r, sun, window);
 }
 
@@ -327,6 +336,7 @@ TEST(coated_rooms) { expect("dddc", 11, 3, 8, 0.01, 0.03, 0.05); }
 TEST(rooms_with_metal) { expect("dddm", 21, 3, 8, 0.015, 0.04, 0.08); }
 TEST(far_from_the_origin) { expect("dddcf", 1, 3, 8, 0.015, 0.03, 0.05); }
 TEST(narrow_metal) { expect("dnnna", 43, 2, 2, 0.02, 0.06, 0.08); }
+TEST(panes) { expect("ddddga", 61, 3, 8, 0.02, 0.045, 0.05); }
 TEST(mirrors) { expect("dddxa", 51, 2, 3, 0.02, 0.06, 0.08); }
 
 int main(void)
@@ -341,6 +351,7 @@ int main(void)
     RUN(rooms_with_metal);
     RUN(far_from_the_origin);
     RUN(narrow_metal);
+    RUN(panes);
     RUN(mirrors);
     lc_context_destroy(ctx);
     temp_end();

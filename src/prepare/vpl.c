@@ -293,8 +293,11 @@ static bool scatter_specular(path *p, const lc_surface *s, uint32_t depth)
     if (!(back + on > 0)) return false;
     float share = back / (back + on);
     bool through = toss(p, depth) >= (double)share;
-    p->flux = lc_f3_mul(p->flux, lc_f3_scale(through ? split.through : split.reflected,
-                                             1 / (through ? 1 - share : share)));
+    const lc_f3 part = lc_f3_scale(through ? split.through : split.reflected,
+                                   1 / (through ? 1 - share : share));
+    if (!through && (s->front || s->material.thin))
+        store(p, before, &(leaving){ .flux = part, .normal = s->n, .roughness = LEAST_ROUGHNESS });
+    p->flux = lc_f3_mul(p->flux, part);
     p->org = through ? lc_surface_behind(s) : before;
     p->dir = through ? split.out : lc_mirror_leave(s, p->dir);
     return lc_f3_max(p->flux) > 0;

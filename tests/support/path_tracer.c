@@ -535,6 +535,35 @@ static double mis_weight(double pdf, double other)
     return pdf > 0 ? 1 / (1 + sqr(other / pdf)) : 0;
 }
 
+static const material *material_at(const pt_scene *scene, const hit *h)
+{
+    return &scene->materials[scene->primitives[h->primitive].material];
+}
+
+/* What both sides of a pane reflect, with all that goes to and fro between them. */
+static double pane_reflectance(const pt_scene *scene, const hit *h, vec3 d)
+{
+    double cos_t, c = min2(1, fabs(dot(d, scene->primitives[h->primitive].normal)));
+    double f = dielectric_fresnel(c, material_at(scene, h)->eta, &cos_t);
+    return 2 * f / (1 + f);
+}
+
+/* The part that passes panes on the way; 0 where something else is in it. */
+static double transmittance(const pt_scene *scene, vec3 o, vec3 d, double limit, int skip)
+{
+    double passed = 1;
+    hit h;
+    while (trace(scene, o, d, limit, skip, false, &h)) {
+        double step = h.t + scene->offset;
+        if (material_at(scene, &h)->kind != MATERIAL_PANE)
+            return 0;
+        passed *= 1 - pane_reflectance(scene, &h, d);
+        o = add(o, scale(d, step));
+        limit -= step;
+    }
+    return passed;
+}
+
 /* Light from one light sample, reflected to wo. */
 static rgb direct_light(const pt_scene *scene, const material *m, const frame *f, vec3 o, vec3 wo, rng *r)
 {
@@ -542,16 +571,16 @@ static rgb direct_light(const pt_scene *scene, const material *m, const frame *f
         return grey(0);
     light_sample s = sample_light(scene, o, r);
     vec3 wi = to_local(f, s.wi);
-    hit h;
     if (wi.z <= 0 || max_channel(s.value) <= 0 || isinf(s.pdf) ||
         (!s.delta && scene->strategy == STRATEGY_SCATTER))
         return grey(0);
     rgb reflected = eval_scatter(m, wo, wi, r);
-    if (max_channel(reflected) <= 0 || trace(scene, o, s.wi, s.distance, s.primitive, true, &h))
+    double passed = max_channel(reflected) > 0 ? transmittance(scene, o, s.wi, s.distance, s.primitive) : 0;
+    if (passed <= 0)
         return grey(0);
     bool weighted = !s.delta && scene->strategy == STRATEGY_MIS;
     double weight = weighted ? mis_weight(s.pdf, scatter_pdf(m, wo, wi)) : 1;
-    return scale(mul(reflected, s.value), weight / s.pdf);
+    return scale(mul(reflected, s.value), passed * weight / s.pdf);
 }
 
 /* Share of emission met by a path: pdf is that of the last scattering, or 0 after specular ones. */
@@ -567,6 +596,7 @@ static double emission_weight(const pt_scene *scene, const hit *h, vec3 o, doubl
 static rgb path_radiance(const pt_scene *scene, vec3 o, vec3 d, rng *r)
 {
     rgb sum = grey(0), beta = grey(1);
+    vec3 from = o; /* of the last scattering */
     double pdf = 0;
     for (int depth = 0;; depth++) {
         hit h;
@@ -574,15 +604,27 @@ static rgb path_radiance(const pt_scene *scene, vec3 o, vec3 d, rng *r)
             return add(sum, mul(beta, scene->infinite));
         rgb emission = emitted(scene, h.primitive, h.normal, scale(d, -1));
         if (max_channel(emission) > 0)
-            sum = add(sum, scale(mul(beta, emission), emission_weight(scene, &h, o, pdf)));
+            sum = add(sum, scale(mul(beta, emission), emission_weight(scene, &h, from, pdf)));
         if (depth == scene->max_depth)
             return sum;
-        const material *m = &scene->materials[scene->primitives[h.primitive].material];
+        const material *m = material_at(scene, &h);
         frame f = frame_of(dot(h.normal, d) < 0 ? h.normal : scale(h.normal, -1));
+        if (m->kind == MATERIAL_PANE) {
+            bool reflects = uniform(r) < pane_reflectance(scene, &h, d);
+            o = add(h.point, scale(f.z, reflects ? scene->offset : -scene->offset));
+            if (!reflects) {
+                depth -= pdf > 0;
+                continue;
+            }
+            from = o;
+            d = sub(d, scale(f.z, 2 * dot(d, f.z)));
+            pdf = 0;
+            continue;
+        }
         vec3 wo = to_local(&f, scale(d, -1));
         if (wo.z <= 0)
             return sum;
-        o = add(h.point, scale(f.z, scene->offset));
+        from = o = add(h.point, scale(f.z, scene->offset));
         sum = add(sum, mul(beta, direct_light(scene, m, &f, o, wo, r)));
         scatter s;
         if (!sample_scatter(m, wo, r, &s))

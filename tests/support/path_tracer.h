@@ -1,6 +1,9 @@
 /* path_tracer.h - a path tracer in double precision that shares nothing with the renderer, for a small subset
- * of pbrt-v4's format, in RGB: perspective cameras, triangle meshes and spheres, diffuse, conductor and
- * coateddiffuse, point, spot, distant, infinite and area lights. */
+ * of pbrt-v4's format, in RGB: perspective cameras, triangle meshes and spheres, diffuse, conductor,
+ * coateddiffuse and, of triangles, thindielectric, point, spot, distant, infinite and area lights.
+ *
+ * Light goes straight through panes (thindielectric) on its way to a surface, and this does not count as a
+ * bounce; what the camera sees through them does. */
 #ifndef PATH_TRACER_H
 #define PATH_TRACER_H
 

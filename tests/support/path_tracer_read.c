@@ -323,6 +323,9 @@ static bool read_material(reader *r, const char *kind, params *list)
     } else if (strcmp(kind, "coateddiffuse") == 0) {
         if (!read_coat(r, &m, list))
             return false;
+    } else if (strcmp(kind, "thindielectric") == 0) {
+        m.kind = MATERIAL_PANE;
+        m.eta = number_param(list, "float", "eta", 1.5);
     } else if (strcmp(kind, "diffuse") != 0) {
         return fail(r, "unknown material %s", kind);
     }

@@ -129,7 +129,7 @@ static inline vec3 cosine_direction(rng *r)
 
 /* ---- scene ---- */
 
-typedef enum { MATERIAL_DIFFUSE, MATERIAL_CONDUCTOR, MATERIAL_COATED } material_kind;
+typedef enum { MATERIAL_DIFFUSE, MATERIAL_CONDUCTOR, MATERIAL_COATED, MATERIAL_PANE } material_kind;
 typedef enum { LIGHT_AREA, LIGHT_POINT, LIGHT_SPOT, LIGHT_DISTANT } light_kind;
 
 /* Which samples count for lamps with an area; all three have the same mean. */
