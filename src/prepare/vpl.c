@@ -6,13 +6,13 @@
  * bounce, from (0,2)-sequences, each in an order of its own, so that none makes a pattern with another
  * ([Kollig02]), and all other numbers from its own hash. Each virtual light emits as a diffuse surface does:
  * flux * albedo / pi along the shading normal.
- * What a metal's lobe reflects goes on in a direction drawn by it; its light shines as the lobe does, but for
- * Fresnel's changes within it (shade/light_virtual.h), and as one no narrower than LEAST_ROUGHNESS, so that
- * single lights do not show; so does a mirror's. Of a surface with a lobe and a lesser diffuse part a light
- * stands for one of these, by chance; a lesser lobe counts as diffuse. A surface with diffuse transmission
- * has a light on its other side, too. At mirrors and glass a path goes on, by chance
- * where they both reflect and transmit. From the second rough surface on a path ends with probability 1 -
- * albedo. Intensities are divided by the number of paths.
+ * What a metal's lobe reflects goes on in a direction drawn by it; its light shines as the lobe does, but
+ * for Fresnel's changes within it (shade/light_virtual.h), and as one no narrower than LEAST_ROUGHNESS, so
+ * that single lights do not show; so does a mirror's, and what glass reflects outside, where a path goes on
+ * by it. Of a surface with a lobe and a lesser diffuse part a light stands for one of these, by chance; a
+ * lesser lobe counts as diffuse. A surface with diffuse transmission has a light on its other side, too. At
+ * mirrors and glass a path goes on, by chance where they both reflect and transmit. From the second rough
+ * surface on a path ends with probability 1 - albedo. Intensities are divided by the number of paths.
  *
  * The first FIRST_LIGHTS show how far the picture's blocks are from the converged one (vpl_deviation.h); as
  * deviations fall with the root of the number of lights, they tell how many are needed. The next lot shows
