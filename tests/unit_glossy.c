@@ -87,13 +87,11 @@ TEST(no_direction_counts_for_more_than_all)
 
 /* ---- rays ---- */
 
-static void add_to(void *user, const lc_hit *hit, lc_f3 dir, lc_f3 to, float width)
+static void add_to(void *user, const lc_near_end *end)
 {
     double *sum = user;
-    (void)hit;
-    (void)dir;
-    CHECK(width > 0);
-    *sum += (double)to.y;
+    CHECK(end->width > 0);
+    *sum += (double)end->to.y;
 }
 
 /* A diffuse part by the cosine within reach and a lobe at any distance are all that the point reflects: in a

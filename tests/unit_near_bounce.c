@@ -150,6 +150,13 @@ TEST(bounds_of_boxes_hold)
     "Material \"glass\" \"float eta\" 1 \"rgb Kr\" [0 0 0] \"rgb Kt\" [.85 .85 .85]\n"                      \
     "Shape \"trianglemesh\" \"point3 P\" [-1 -1 .01 1 -1 .01 1 1 .01 -1 1 .01]"                              \
     " \"integer indices\" [0 1 2 0 2 3]\n"
+/* A lamp that shines only onto a pane, from 0.03 before it. */
+#define LAMP_AND_PANE                                                                                        \
+    "WorldBegin\nMaterial \"thindielectric\"\nShape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3]"      \
+    " \"point3 P\" [-1 0 0 1 0 0 1 1 0 -1 1 0]\n"                                                            \
+    "AreaLightSource \"diffuse\" \"rgb L\" [1 1 1]\nMaterial \"diffuse\" \"rgb reflectance\" [0 0 0]\n"      \
+    "Shape \"trianglemesh\" \"point3 P\" [-.3 .2 .03 .3 .2 .03 .3 .6 .03 -.3 .6 .03]"                        \
+    " \"integer indices\" [0 2 1 0 3 2]\n"
 #define SCREEN                                                                                               \
     "Shape \"trianglemesh\" \"point3 P\" [-2 -2 3 0 -2 3 0 2 3 -2 2 3] \"integer indices\" [0 1 2 0 2 3]\n"
 #define ROOM                                                                                                 \
@@ -281,13 +288,38 @@ TEST(glass_lets_near_light_pass)
     CHECKF(near_rel(few, many, 0.04), "%g, %g", few, many);
 }
 
-static void add_to(void *user, const lc_hit *hit, lc_f3 dir, lc_f3 to, float width)
+/* Irradiance by the lamp of LAMP_AND_PANE in the pane, as by its mirror image, at a point of light_near. */
+static double lamp_in_pane(double x, double distance)
+{
+    enum { STEPS = 200 };
+    double sum = 0;
+    for (int i = 0; i < STEPS; i++)
+        for (int k = 0; k < STEPS; k++) {
+            const double dx = -0.3 + 0.6 * (i + 0.5) / STEPS - x, dy = 0.2 + 0.4 * (k + 0.5) / STEPS,
+                         dz = distance + 0.03, d2 = dx * dx + dy * dy + dz * dz, c = dz / sqrt(d2);
+            const double t = sqrt(1 - (1 - c * c) / 2.25), along = (1.5 * c - t) / (1.5 * c + t),
+                         across = (c - 1.5 * t) / (c + 1.5 * t),
+                         f = (along * along + across * across) / 2;
+            sum += 2 * f / (1 + f) * dy / sqrt(d2) * c / d2;
+        }
+    return sum * 0.6 * 0.4 / (STEPS * STEPS);
+}
+
+/* What a pane reflects of a lamp onto a point beside it, with so few lights that rays find it. */
+TEST(panes_reflect_light_near_them)
+{
+    double most, want = 0;
+    for (int i = 0; i < N_SENSORS; i++)
+        want += lamp_in_pane((double)((float)(i - N_SENSORS / 2) / N_SENSORS), 0.05) / N_SENSORS;
+    scene_write("%s", LAMP_AND_PANE);
+    const double got = light_near(0.05, 8, &most);
+    CHECKF(near_rel(got, want, 0.02), "%g of %g", got, want);
+}
+
+static void add_to(void *user, const lc_near_end *end)
 {
     double *sum = user;
-    (void)hit;
-    (void)dir;
-    (void)width;
-    *sum += (double)to.y;
+    *sum += (double)end->to.y;
 }
 
 /* What leaves a point of a radiance of 1 from all around, by even steps of the direction. */
@@ -352,6 +384,25 @@ TEST(rays_by_a_lobe_have_no_bias)
                      want = all_around(s, &soft);
         CHECKF(near_rel(sum, want, 0.02), "roughness %g, angle %g: %g of %g", (double)rough[i % 4],
                (double)angle, sum, want);
+    }
+    lc_scene_destroy(s);
+}
+
+/* A pane loses nothing: what passes and what it reflects are together as much as without it. */
+TEST(rays_off_glass_and_through_it)
+{
+    scene_write(V4 "%s%s", ROOM,
+                "Material \"thindielectric\"\nShape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3]"
+                " \"point3 P\" [.1 -1 -1 .3 1 -1 .3 1 2 .1 -1 2]\n");
+    lc_load_desc load = LC_LOAD_DESC_INIT;
+    lc_scene *s = scene_from_file(ctx, &load, scene_path());
+    CHECK(s);
+    for (int i = 0; s && i < 4; i++) {
+        lc_point soft;
+        const lc_lit lit = glossy_point(s, i % 2 ? 0.3f : 1, i < 2 ? 0.4f : 1, &soft);
+        const double sum = gather(s, &lit, &soft, (lc_near_rays){ .key = (uint64_t)i, .n = 1 << 14 }),
+                     want = all_around(s, &soft);
+        CHECKF(near_rel(sum, want, 0.01), "%d: %g of %g", i, sum, want);
     }
     lc_scene_destroy(s);
 }
@@ -651,7 +702,9 @@ int main(void)
     RUN(no_dots_near_a_wall);
     RUN(small_instances_reflect_as_a_wall);
     RUN(glass_lets_near_light_pass);
+    RUN(panes_reflect_light_near_them);
     RUN(rays_by_a_lobe_have_no_bias);
+    RUN(rays_off_glass_and_through_it);
     RUN(rays_of_a_pixel_are_even);
     RUN(rays_of_many_samples);
     RUN(mirrors_are_bounces);

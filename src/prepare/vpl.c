@@ -8,11 +8,12 @@
  * flux * albedo / pi along the shading normal.
  * What a metal's lobe reflects goes on in a direction drawn by it; its light shines as the lobe does, but
  * for Fresnel's changes within it (shade/light_virtual.h), and as one no narrower than LEAST_ROUGHNESS, so
- * that single lights do not show; so does a mirror's, and what glass reflects outside, where a path goes on
- * by it. Of a surface with a lobe and a lesser diffuse part a light stands for one of these, by chance; a
- * lesser lobe counts as diffuse. A surface with diffuse transmission has a light on its other side, too. At
- * mirrors and glass a path goes on, by chance where they both reflect and transmit. From the second rough
- * surface on a path ends with probability 1 - albedo. Intensities are divided by the number of paths.
+ * that single lights do not show; so does a mirror's, and what glass reflects outside, of every path that
+ * meets it: many weak lights rather than few bright ones. Of a surface with a lobe and a lesser diffuse part
+ * a light stands for one of these, by chance; a lesser lobe counts as diffuse. A surface with diffuse
+ * transmission has a light on its other side, too. At mirrors and glass a path goes on, by chance where they
+ * both reflect and transmit. From the second rough surface on a path ends with probability 1 - albedo.
+ * Intensities are divided by the number of paths.
  *
  * The first FIRST_LIGHTS show how far the picture's blocks are from the converged one (vpl_deviation.h); as
  * deviations fall with the root of the number of lights, they tell how many are needed. The next lot shows
@@ -295,8 +296,8 @@ static bool scatter_specular(path *p, const lc_surface *s, uint32_t depth)
     bool through = toss(p, depth) >= (double)share;
     const lc_f3 part = lc_f3_scale(through ? split.through : split.reflected,
                                    1 / (through ? 1 - share : share));
-    if (!through && (s->front || s->material.thin))
-        store(p, before, &(leaving){ .flux = part, .normal = s->n, .roughness = LEAST_ROUGHNESS });
+    if (s->front || s->material.thin)
+        store(p, before, &(leaving){ .flux = split.reflected, .normal = s->n, .roughness = LEAST_ROUGHNESS });
     p->flux = lc_f3_mul(p->flux, part);
     p->org = through ? lc_surface_behind(s) : before;
     p->dir = through ? split.out : lc_mirror_leave(s, p->dir);

@@ -8,6 +8,7 @@
 #include "scene/light_places.h"
 #include "scene/lit_point.h"
 #include "scene/near_gather.h"
+#include "scene/sun.h"
 #include "scene/surface.h"
 #include "shade/fresnel.h"
 #include "shade/lobe.h"
@@ -490,17 +491,44 @@ typedef struct {
     lc_f3 weight, sum, *of_group;
 } light_sum;
 
-static void add_end(void *user, const lc_hit *hit, lc_f3 dir, lc_f3 to, float width)
+static void add_radiance(light_sum *l, lc_f3 to, const lc_f3 *radiance)
 {
-    light_sum *l = user;
-    lc_f3 radiance[1 + LC_MAX_GROUPS];
-    const float within = fminf(fmaxf(LEAST_PLACE * l->size, width), l->size);
-    const bool by_lobe = width < INFINITY;
-    find_radiance(l->scene, l->cuts, hit, dir, by_lobe ? fmaxf(within, width) : within,
-                  by_lobe ? OF_METAL * within : 0, radiance);
     l->sum = lc_f3_add(l->sum, lc_f3_mul(to, radiance[0]));
     for (uint32_t k = 0; l->of_group && k < l->scene->groups.n; k++)
         l->of_group[k] = lc_f3_add(l->of_group[k], lc_f3_mul(l->weight, lc_f3_mul(to, radiance[1 + k])));
+}
+
+/* What lamps and the sky give by a ray that glass reflects. The sky's peaks would be dots. */
+static void add_emission(light_sum *l, const lc_near_end *end)
+{
+    lc_surface at;
+    lc_f3 radiance[1 + LC_MAX_GROUPS] = { { 0, 0, 0 } };
+    if (end->hit.tri == LC_NONE) {
+        radiance[0] = lc_background(l->scene, LC_SKY_EVEN, end->dir);
+        if (l->of_group)
+            lc_background_of_groups(l->scene, LC_SKY_EVEN, end->dir, lc_f3_make(1, 1, 1), radiance + 1);
+    } else {
+        lc_surface_of(l->scene, &end->hit, end->dir, FOOTPRINT, &at);
+        radiance[0] = radiance[1 + at.group] = at.emission;
+    }
+    add_radiance(l, end->to, radiance);
+}
+
+static void add_end(void *user, const lc_near_end *end)
+{
+    light_sum *l = user;
+    lc_near_cuts *c = l->cuts;
+    lc_f3 radiance[1 + LC_MAX_GROUPS];
+    const float within = fminf(fmaxf(LEAST_PLACE * l->size, end->width), l->size);
+    const bool narrow = end->width < INFINITY;
+    if (end->reflected) add_emission(l, end);
+    c->n_mirrors += end->reflected;
+    if (end->hit.tri != LC_NONE && c->level < n_levels(l->scene->near_places, c)) {
+        find_radiance(l->scene, c, &end->hit, end->dir, narrow ? fmaxf(within, end->width) : within,
+                      narrow ? OF_METAL * within : 0, radiance);
+        add_radiance(l, end->to, radiance);
+    }
+    c->n_mirrors -= end->reflected;
 }
 
 static lc_f3 light_by(const lc_scene *s, lc_near_cuts *cuts, const lc_lit *lit, const lc_point *soft,

@@ -6,8 +6,9 @@
  *     sum of far lights:   part(d^2) times each                        lc_point.near_d2, near_scale
  *   + mean over rays:      (1 - part(d^2)) L(where the ray ends)       lc_near_bounce_light
  *
- * part rises from 0 at half the squared reach to 1 at all of it. L is found at places that all rays which
- * end nearby share:
+ * part rises from 0 at half the squared reach to 1 at all of it. Of what glass reflects, at any distance, it
+ * goes by the distance to the glass; such a ray shows lamps and the sky, too, but no lights without a size.
+ * L is found at places that all rays which end nearby share:
  *
  *     a ray's end -> place: on a large triangle the middle of a cell of its grid; of small triangles the
  *                           middle of the first of a row of them

@@ -6,13 +6,20 @@
 #include "shade/point.h"
 #include "trace/bvh.h"
 
+/* Where a ray ends. */
+typedef struct lc_near_end {
+    lc_hit hit;  /* tri: LC_NONE: it leaves the scene; only where it is reflected */
+    lc_f3 dir;   /* unit, along the ray there */
+    lc_f3 to;    /* what leaves the point of a radiance of 1 from there, R G B, by this one of the rays: (1 -
+                  * part) over the rays' density and number, times what glass on the way lets through and
+                  * mirrors reflect */
+    float width; /* of what the ray stands for there; INFINITY where it is within reach */
+    bool reflected; /* by glass: lamps and the sky shine by it, too */
+} lc_near_end;
+
 typedef struct lc_near_ends {
     const lc_scene *scene;
-    /* A ray along unit dir, at its end, meets a hit. to: what leaves the point of a radiance of 1 from there,
-     * R G B, by this one of the rays: (1 - part) over the rays' density and number, times what glass on the
-     * way lets through and mirrors reflect. width: of what the ray stands for there; INFINITY where it is
-     * within reach. */
-    void (*end)(void *user, const lc_hit *hit, lc_f3 dir, lc_f3 to, float width);
+    void (*end)(void *user, const lc_near_end *end);
     void *user;
 } lc_near_ends;
 
@@ -26,7 +33,8 @@ typedef struct lc_near_rays {
 /* Rays by the cosine about the point's normal; where it has a narrow lobe a quarter of them by that. Where
  * virtual lights do not meet the lobe at all (lc_point.lobe_by_rays) a share of the rays that goes by what
  * the lobe reflects is for it alone, at any distance. soft: what virtual lights meet there, with a reach.
- * Rays go straight through glass; those by such a lobe go on at mirrors. */
+ * Rays go straight through glass; those by such a lobe go on at mirrors. Some of the rays that meet glass
+ * within reach are followed, besides, to where it reflects them, at any distance. */
 void lc_near_gather(const lc_near_ends *ends, const lc_lit *lit, const lc_point *soft, lc_near_rays rays);
 
 #endif

@@ -21,12 +21,21 @@ float lc_fresnel_conductor(float cos_i, float eta, float k)
     return t3 + t4 > 0 ? (s + s * ((t3 - t4) / (t3 + t4))) / 2 : s;
 }
 
+/* Of glass, on the side of lower index. */
+static float reflected_by(const lc_material *m, float cos_i)
+{
+    const float f = lc_fresnel_dielectric(cos_i, m->eta.x);
+    return m->thin ? lc_sheet_reflectance(f) : f;
+}
+
 lc_f3 lc_transmittance(const lc_material *m, float cos_i)
 {
-    if (!m->glass) return lc_f3_make(0, 0, 0);
-    float f = lc_fresnel_dielectric(cos_i, m->eta.x);
-    if (m->thin) f = lc_sheet_reflectance(f);
-    return lc_f3_scale(m->kt, 1 - f);
+    return m->glass ? lc_f3_scale(m->kt, 1 - reflected_by(m, cos_i)) : lc_f3_make(0, 0, 0);
+}
+
+lc_f3 lc_glass_reflectance(const lc_material *m, float cos_i)
+{
+    return m->glass ? lc_f3_scale(m->ks, reflected_by(m, cos_i)) : lc_f3_make(0, 0, 0);
 }
 
 lc_f3 lc_reflectance(const lc_material *m, float cos_i, bool inside)

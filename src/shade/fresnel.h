@@ -16,6 +16,8 @@ static inline float lc_sheet_reflectance(float f) { return 2 * f / (1 + f); }
 /* The fraction of light, per channel, that a boundary of glass transmits; 0 for other materials. cos_i: the
  * cosine on the side of lower index, 0..1. */
 lc_f3 lc_transmittance(const lc_material *m, float cos_i);
+/* The fraction that such a boundary reflects. */
+lc_f3 lc_glass_reflectance(const lc_material *m, float cos_i);
 
 /* ks of a material times its reflectance, per channel. inside: light comes from the side of index eta.x. */
 lc_f3 lc_reflectance(const lc_material *m, float cos_i, bool inside);
