@@ -151,12 +151,18 @@ TEST(bounds_of_boxes_hold)
     "Shape \"trianglemesh\" \"point3 P\" [-1 -1 .01 1 -1 .01 1 1 .01 -1 1 .01]"                              \
     " \"integer indices\" [0 1 2 0 2 3]\n"
 /* A lamp that shines only onto a pane, from 0.03 before it. */
-#define LAMP_AND_PANE                                                                                        \
-    "WorldBegin\nMaterial \"thindielectric\"\nShape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3]"      \
-    " \"point3 P\" [-1 0 0 1 0 0 1 1 0 -1 1 0]\n"                                                            \
+#define LAMP_AT_PANE                                                                                         \
     "AreaLightSource \"diffuse\" \"rgb L\" [1 1 1]\nMaterial \"diffuse\" \"rgb reflectance\" [0 0 0]\n"      \
     "Shape \"trianglemesh\" \"point3 P\" [-.3 .2 .03 .3 .2 .03 .3 .6 .03 -.3 .6 .03]"                        \
     " \"integer indices\" [0 2 1 0 3 2]\n"
+#define LAMP_AND_PANE                                                                                        \
+    "WorldBegin\nMaterial \"thindielectric\"\nShape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3]"      \
+    " \"point3 P\" [-1 0 0 1 0 0 1 1 0 -1 1 0]\n" LAMP_AT_PANE
+/* The same of two faces. */
+#define LAMP_AND_SLAB                                                                                        \
+    "WorldBegin\nMaterial \"dielectric\"\nShape \"trianglemesh\" \"point3 P\""                               \
+    " [-1 0 0 1 0 0 1 1 0 -1 1 0 -1 0 -.002 1 0 -.002 1 1 -.002 -1 1 -.002]"                                 \
+    " \"integer indices\" [0 1 2 0 2 3 4 6 5 4 7 6]\n" LAMP_AT_PANE
 #define SCREEN                                                                                               \
     "Shape \"trianglemesh\" \"point3 P\" [-2 -2 3 0 -2 3 0 2 3 -2 2 3] \"integer indices\" [0 1 2 0 2 3]\n"
 #define ROOM                                                                                                 \
@@ -314,6 +320,20 @@ TEST(panes_reflect_light_near_them)
     scene_write("%s", LAMP_AND_PANE);
     const double got = light_near(0.05, 8, &most);
     CHECKF(near_rel(got, want, 0.02), "%g of %g", got, want);
+}
+
+/* Both faces of glass have virtual lights, and shine together about as a thin pane: without what is reflected
+ * more than once between them, but with more from the far face, as lights shine wider than mirrors and the
+ * near face lets more of that pass. */
+TEST(both_faces_of_glass_reflect)
+{
+    double most;
+    scene_write("%s", LAMP_AND_PANE);
+    const double thin = light_near(0.3, 60000, &most);
+    scene_write("%s", LAMP_AND_SLAB);
+    const double thick = light_near(0.3, 60000, &most);
+    printf("    thin %.4f, thick %.4f\n", thin, thick);
+    CHECKF(near_rel(thick, thin, 0.06), "%g of %g", thick, thin);
 }
 
 static void add_to(void *user, const lc_near_end *end)
@@ -703,6 +723,7 @@ int main(void)
     RUN(small_instances_reflect_as_a_wall);
     RUN(glass_lets_near_light_pass);
     RUN(panes_reflect_light_near_them);
+    RUN(both_faces_of_glass_reflect);
     RUN(rays_by_a_lobe_have_no_bias);
     RUN(rays_off_glass_and_through_it);
     RUN(rays_of_a_pixel_are_even);

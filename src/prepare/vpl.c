@@ -8,8 +8,10 @@
  * flux * albedo / pi along the shading normal.
  * What a metal's lobe reflects goes on in a direction drawn by it; its light shines as the lobe does, but
  * for Fresnel's changes within it (shade/light_virtual.h), and as one no narrower than LEAST_ROUGHNESS, so
- * that single lights do not show; so does a mirror's, and what glass reflects outside, of every path that
- * meets it: many weak lights rather than few bright ones. Of a surface with a lobe and a lesser diffuse part
+ * that single lights do not show; so does a mirror's, and what glass reflects, of every path that meets it:
+ * many weak lights rather than few bright ones. What the far face of glass reflects shines as it would
+ * without the glass being thick, as shadow rays go straight through; what is reflected in it more often, or
+ * totally, is left out. Of a surface with a lobe and a lesser diffuse part
  * a light stands for one of these, by chance; a lesser lobe counts as diffuse. A surface with diffuse
  * transmission has a light on its other side, too. At mirrors and glass a path goes on, by chance where they
  * both reflect and transmit. From the second rough surface on a path ends with probability 1 - albedo.
@@ -92,6 +94,7 @@ typedef struct path {
     uint32_t group; /* of the light that it starts from */
     int depth;      /* of what it meets next, from 1 on */
     lc_f3 org, dir, flux; /* W, of all paths */
+    lc_f3 entered; /* its direction before the glass that it has entered last; 0: it has met more since */
     lc_light *lights;
     uint8_t *n_lights;
 } path;
@@ -186,7 +189,7 @@ static bool is_mostly_lobe(const lc_material *m)
 typedef struct leaving {
     lc_f3 flux, normal;
     float roughness; /* of the lobe by which it leaves; 0: by the cosine */
-    lc_f3 next; /* where it goes on by the lobe */
+    lc_f3 from, next; /* where it comes from and goes on by the lobe */
 } leaving;
 
 /* The roughness of GGX that is about as narrow as a lobe. */
@@ -203,7 +206,7 @@ static void store(path *p, lc_f3 pos, const leaving *l)
                        .dir = l->normal,
                        .group = p->group };
     float factor = (float)(1 / LC_PI);
-    if (l->roughness > 0) factor = lc_shine_make(&light.shine, l->roughness, lc_f3_neg(p->dir), l->normal);
+    if (l->roughness > 0) factor = lc_shine_make(&light.shine, l->roughness, l->from, l->normal);
     light.atten[0] = factor;
     light.atten[1] = (float)p->depth;
     light.intensity = lc_f3_scale(lc_f3_mul(p->flux, l->flux), factor);
@@ -244,6 +247,7 @@ static void reflect(path *p, const lc_surface *s, uint32_t depth, lc_f3 all, lea
         return;
     }
     out->roughness = roughness_of(&s->material);
+    out->from = lc_f3_neg(p->dir);
     draw_by_lobe(p, s, out);
     out->flux = lc_f3_scale(out->flux, 1 / share);
 }
@@ -282,7 +286,8 @@ static bool scatter_specular(path *p, const lc_surface *s, uint32_t depth)
     const lc_f3 before = lc_f3_load(s->ray_org);
     if (!s->material.glass) {
         const lc_f3 part = lc_reflectance(&s->material, cos_i, !s->front), dir = lc_mirror_leave(s, p->dir);
-        store(p, before, &(leaving){ .flux = part, .normal = s->n, .roughness = LEAST_ROUGHNESS });
+        store(p, before, &(leaving){ .flux = part, .normal = s->n, .from = lc_f3_neg(p->dir),
+                                     .roughness = LEAST_ROUGHNESS });
         p->flux = lc_f3_mul(p->flux, part);
         p->org = before;
         p->dir = dir;
@@ -296,8 +301,11 @@ static bool scatter_specular(path *p, const lc_surface *s, uint32_t depth)
     bool through = toss(p, depth) >= (double)share;
     const lc_f3 part = lc_f3_scale(through ? split.through : split.reflected,
                                    1 / (through ? 1 - share : share));
-    if (s->front || s->material.thin)
-        store(p, before, &(leaving){ .flux = split.reflected, .normal = s->n, .roughness = LEAST_ROUGHNESS });
+    const bool outside = s->front || s->material.thin;
+    const leaving off = { .flux = split.reflected, .normal = s->n, .roughness = LEAST_ROUGHNESS,
+                          .from = lc_f3_neg(outside ? p->dir : p->entered) };
+    if (outside || (on > 0 && lc_f3_dot(off.from, s->n) > 0)) store(p, before, &off);
+    p->entered = outside ? p->dir : lc_f3_make(0, 0, 0);
     p->flux = lc_f3_mul(p->flux, part);
     p->org = through ? lc_surface_behind(s) : before;
     p->dir = through ? split.out : lc_mirror_leave(s, p->dir);
@@ -327,6 +335,7 @@ static void trace(path *p)
             p->flux = lc_f3_mul(p->flux, lc_media_through(p->m->scene, p->org, p->dir, (double)s.t));
         if (!(lc_f3_max(p->flux) > 0)) return;
         p->depth = (int)depth;
+        if (!s.material.glass) p->entered = lc_f3_make(0, 0, 0);
         if (depth == 1) p->flux = lc_f3_scale(p->flux, unlike_square(&from, &s));
         if (!(lc_is_specular(&s.material) ? scatter_specular(p, &s, depth) : scatter(p, &s, depth))) return;
     }
