@@ -11,11 +11,11 @@
  * that single lights do not show; so does a mirror's, and what glass reflects, of every path that meets it:
  * many weak lights rather than few bright ones. What the far face of glass reflects shines as it would
  * without the glass being thick, as shadow rays go straight through; what is reflected in it more often, or
- * totally, is left out. Of a surface with a lobe and a lesser diffuse part
- * a light stands for one of these, by chance; a lesser lobe counts as diffuse. A surface with diffuse
- * transmission has a light on its other side, too. At mirrors and glass a path goes on, by chance where they
- * both reflect and transmit. From the second rough surface on a path ends with probability 1 - albedo.
- * Intensities are divided by the number of paths.
+ * totally, is left out. Of a surface with a lobe and a lesser diffuse part a light stands for one of these,
+ * by chance; a lesser lobe counts as diffuse. A surface with diffuse transmission has a light on its other
+ * side, too. At mirrors and glass a path goes on, by chance where they both reflect and transmit. From the
+ * second rough surface on a path ends with probability 1 - albedo. Intensities are divided by the number of
+ * paths.
  *
  * The first FIRST_LIGHTS show how far the picture's blocks are from the converged one (vpl_deviation.h); as
  * deviations fall with the root of the number of lights, they tell how many are needed. The next lot shows

@@ -40,8 +40,7 @@ typedef struct {
 typedef struct {
     uint64_t key; /* of the numbers that choose it */
     uint32_t n;
-    way way[MOST_TURNS];
-    float length[MOST_TURNS]; /* to the glass */
+    way way[MOST_TURNS]; /* gone: the length to the glass */
 } turns;
 
 /* The ray is turned with a chance that is the root of what is reflected, so that what it carries then differs
@@ -51,8 +50,8 @@ static void turn(const lc_surface *at, const way *w, uint32_t number, turns *t)
     const lc_f3 part = lc_glass_reflectance(&at->material, -lc_f3_dot(w->dir, at->n));
     const float chance = sqrtf(fminf(lc_luminance(part), 1));
     if (!(lc_unit(lc_hash2(t->key, number)) < (double)chance) || t->n == MOST_TURNS) return;
-    way *to = &t->way[t->n];
-    to->gone = t->length[t->n++] = w->gone;
+    way *to = &t->way[t->n++];
+    to->gone = w->gone;
     to->dir = lc_mirror_leave(at, w->dir);
     to->through = lc_f3_mul(w->through, lc_f3_scale(part, 1 / chance));
     memcpy(to->org, at->ray_org, sizeof to->org);
@@ -62,8 +61,7 @@ typedef enum { LOST, LEAVES, MEETS } course;
 
 /* Follows a ray to a surface within a length, beyond glass and, if these are followed, mirrors. t: NULL, or
  * where what glass reflects is added. */
-static course follow_ray(const lc_scene *s, way *w, float length, bool mirrors, turns *t,
-                         lc_hit *hit)
+static course follow_ray(const lc_scene *s, way *w, float length, bool mirrors, turns *t, lc_hit *hit)
 {
     for (uint32_t i = 0; i < MOST_ON_WAY && w->gone < length; i++) {
         const float d[3] = { w->dir.x, w->dir.y, w->dir.z };
