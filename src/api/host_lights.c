@@ -30,7 +30,7 @@ static lc_light light_of(const lc_tree_light *in, uint32_t i)
     if (l.kind == LC_LIGHT_SPOT) l.spot = (lc_spot){ in->cos_total, in->cos_start, 0 };
     if (lc_is_sized(l.kind)) {
         l.radius = in->radius;
-        l.turn = i;
+        l.turn = lc_is_far(l.kind) ? i : 0;
     }
     return l;
 }

@@ -6,6 +6,7 @@
 #include "base/sample.h"
 #include "cut/cut.h"
 #include "scene/scene.h"
+#include "shade/light_target.h"
 #include "shade/point_init.h"
 
 #include <math.h>
@@ -154,7 +155,7 @@ static void give_cut(lc_shader *sh, const lc_host_lane *lane)
 static uint64_t slot_hash(const lc_shader *sh, const lc_shade_batch *b, uint32_t at)
 {
     const uint64_t h = lc_hash4(sh->desc.seed, b->first / LC_HOST_BLOCK + at / LC_HOST_BLOCK, 0, 2);
-    return h >> 32 << 4 | lc_permute16(at % LC_HOST_BLOCK, h);
+    return (h & ~(uint64_t)15) | lc_permute16(at % LC_HOST_BLOCK, h);
 }
 
 static void begin(lc_shader *sh, const lc_shade_batch *b, lc_host_lane *lane, uint32_t at,
@@ -167,7 +168,7 @@ static void begin(lc_shader *sh, const lc_shade_batch *b, lc_host_lane *lane, ui
     lane->cut.start = start;
     lane->cut.start_out = save;
     if (save) save->has_points = false; /* of the host's points no box is known */
-    lc_host_set_point(lane, sh->tree, b, (uint32_t)((hash & 15) * 2 + (hash >> 36 & 1)));
+    lc_host_set_point(lane, sh->tree, b, lc_turn((uint32_t)hash, (uint32_t)(hash >> 48)));
     lc_cut_set_step(&sh->step, &lane->cut, &lane->point, lane->org, &lane->stats);
     lane->waits = lc_cut_begin(&lane->cut, &sh->step, hash);
 }

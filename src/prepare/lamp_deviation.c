@@ -106,7 +106,7 @@ static void add_ball(rays *r, const lc_light *ball, uint32_t turn)
     for (uint32_t i = 0; i < PARTS; i++) {
         lc_point p = *r->p;
         float to[3];
-        p.turn = turn + i * LC_TARGET_STEP;
+        p.turn = lc_turn(i, turn);
         lc_ball_target(&rec, &p, to);
         add(r, lc_f3_load(to), i ? 0 : f, f / PARTS);
     }

@@ -26,6 +26,7 @@ static size_t n_inside(const lc_scene *s, size_t first, size_t end, const lc_box
     size_t n = 0;
     for (size_t i = first; i < end; i++) {
         lc_f3 p = s->lights[i].pos;
+        if (s->lights[i].kind == LC_LIGHT_BALL && s->lights[i].part) continue; /* all in one place */
         n += p.x >= b->lo.x && p.y >= b->lo.y && p.z >= b->lo.z && p.x <= b->hi.x && p.y <= b->hi.y &&
              p.z <= b->hi.z;
     }

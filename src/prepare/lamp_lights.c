@@ -2,7 +2,8 @@
  *
  *     triangles -> patches, one a side -> share of each at points of the picture -> divide those of the
  *     greatest share by four, score the parts -> ... -> lights
- *     spheres -> balls, but those that are large from where they are seen -> their triangles
+ *     spheres -> balls, whose parts are in one place and differ in where shadow rays go (light_target.h), but
+ *     those that are large from where they are seen -> their triangles
  *
  * The share of a patch at a point is what its light contributes there, shadows ignored, over what all lamps
  * contribute, shadows estimated by a few rays. A patch knows the points where its share is greatest, and its
@@ -23,6 +24,7 @@
 #include <string.h>
 
 #define MAX_DEPTH      12   /* divisions of a triangle */
+#define BALL_SHARE     0.07f /* of a part of a ball: samples of a pixel see other points of it */
 #define FIRST_SHARE    0.25 /* the first step's bound */
 #define MIN_MAP_LIGHTS 64   /* of a triangle with an emission map, if lights are left */
 
@@ -52,10 +54,20 @@ static uint32_t corner_of(const lc_patches *m, const lc_patch *p)
     return (uint32_t)(lc_hash4(m->seed, tri, p->path, 0) % 3);
 }
 
+/* A part of a ball is the ball with a part of its intensity: shadow rays to it go to a part of the disc that
+ * the ball is seen as. */
+static lc_light ball_part(const lc_patch *p, lc_light ball)
+{
+    ball.intensity = lc_f3_scale(ball.intensity, ldexpf(1, -2 * p->depth));
+    ball.depth = p->depth;
+    for (uint32_t i = 0; i < p->depth; i++) ball.part |= (p->path >> 2 * i & 3) << 2 * (p->depth - 1 - i);
+    return ball;
+}
+
 lc_light lc_patch_light(const lc_patches *m, const lc_patch *p)
 {
     const lc_lamp_source *source = lc_patch_source(m, p);
-    if (source->is_ball) return source->ball;
+    if (source->is_ball) return ball_part(p, source->ball);
     const lc_emitter *e = &source->emitter;
     const double part = ldexp(1, -2 * p->depth);
     double weight[3] = { 1.0 / 6, 1.0 / 6, 1.0 / 6 };
@@ -159,8 +171,9 @@ typedef struct bound {
 
 static bool divisible(const lc_patches *m, const lc_patch *p, const bound *b)
 {
-    return p->share[b->which] > b->least && p->depth < MAX_DEPTH && !lc_patch_source(m, p)->is_ball &&
-           !has_map(m, p);
+    const bool ball = lc_patch_source(m, p)->is_ball;
+    return p->share[b->which] > (ball ? fmaxf(b->least, BALL_SHARE) : b->least) &&
+           p->depth < (ball ? LC_BALL_DEPTH : MAX_DEPTH) && !has_map(m, p);
 }
 
 void lc_patch_divide(const lc_patch *p, lc_patch parts[4])

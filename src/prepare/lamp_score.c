@@ -25,6 +25,8 @@
 #define GREY 0.5f         /* reflectance of the points */
 #define NEAR_BALL 0.5f    /* radius over distance from which a sphere is no ball ... */
 #define NEAR_SHARE 0.01f  /* ... where it gives this share: the horizon cuts it off */
+#define PENUMBRA 8        /* what a ball gives counts so much times radius over distance, at most once:
+                           * shadows of what is seen small are sharp */
 #define OWN_SURFACE 0.95f /* radius over distance from which a place is on the sphere itself */
 
 /* ---- scores ---- */
@@ -96,6 +98,7 @@ static void contributions(const lc_patch_block *b, const lc_place *at, float rea
         float near = d - r > 0.25f * d ? d - r : 0.25f * d;
         in = in < d ? in : d;
         float v = in > 0 && out > GRAZING * d ? b->strength[i] * (in * out) / (d2 * near * near) : 0;
+        if (b->all_round[i] > 0) v *= fminf(1, PENUMBRA * r / d + 1 - reach);
         f[i] = v < b->most[i] ? v : b->most[i];
     }
 }

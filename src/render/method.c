@@ -18,7 +18,7 @@
  * few dozen boxes and triangles with what it shares with its group: those of a cut's groups are few. A bound
  * is two estimates' arithmetic, and its cluster is placed in a list. How they were chosen:
  * tests/results/few-lights.md. */
-#define ALWAYS_FEW 16       /* lights: all are evaluated, neither way is tried */
+#define ALWAYS_FEW 8        /* lights: all are evaluated, neither way is tried */
 #define NEVER_FEW 4096      /* lights: more are never all evaluated */
 #define CHOICE_SIDE LC_SIZE(16, 6) /* grid of the points that are tried */
 #define WORK_OF_RAY 10 /* of every light's rays, in groups of 64 */
@@ -29,6 +29,9 @@
 #define USUAL_Z 0.25        /* of one sample, until it is known what keeps the asked error */
 #define EVIDENCE_FROM 65536 /* pixels of the film: with fewer, to survey the blocks of the pilots takes more
                                than it saves; tests/results/asked-error.md */
+#define TRIED_SIDE LC_SIZE(8, 2) /* grid of the pixels by which samples that share cuts are tried */
+#define TRIED_FROM 4096          /* pixels of the film */
+#define WORK_OF_PILOTS 32768     /* of as many pixels' every light, about */
 #define WORK_FOR_NO_ERROR 1.1 /* factor of work that every light is allowed, as it has no error */
 
 /* Radiance seen at a cell of a grid of side * side over the whole film; false: nothing there that is lit. */
@@ -93,6 +96,11 @@ static double work_of(const lc_stats *cuts)
                     WORK_OF_CUT_RAY * cuts->shadow_rays + WORK_OF_PROOF * cuts->proof_tests);
 }
 
+static double work_of_all(const lc_stats *all, uint32_t n_lights)
+{
+    return (double)(all->points * n_lights + WORK_OF_RAY * all->shadow_rays);
+}
+
 double lc_job_work(const lc_render_job *j)
 {
     lc_stats pixels = { 0 }, guides = { 0 };
@@ -103,13 +111,25 @@ double lc_job_work(const lc_render_job *j)
     return work_of(&pixels) + (j->evidence ? work_of(&guides) / (LC_PIXEL_BLOCK * LC_PIXEL_BLOCK) : 0);
 }
 
-/* Counts of both methods over a grid: shading points, shadow rays, bounds. */
-static lc_status try_method(lc_render_job *j, const lc_cut_desc *cut, bool exact, lc_stats *sum)
+/* All samples of a pixel. */
+static void choice_pixel(void *user, uint32_t thread, uint64_t item)
+{
+    lc_render_job *j = user;
+    const lc_film_desc *film = &j->scene->film;
+    lc_pixel px = { .hits = 0 };
+    const double u = ((double)(item % TRIED_SIDE) + 0.5) / TRIED_SIDE,
+                 v = ((double)(item / TRIED_SIDE) + 0.5) / TRIED_SIDE;
+    lc_add_samples(j, &j->workers[thread], (uint32_t)(u * film->width), (uint32_t)(v * film->height), &px);
+}
+
+/* Counts of both methods over n points or pixels: shading points, shadow rays, bounds. */
+static lc_status try_method(lc_render_job *j, const lc_cut_desc *cut, bool exact, uint32_t n,
+                            void (*shade)(void *user, uint32_t thread, uint64_t item), lc_stats *sum)
 {
     bool was = j->exact;
     lc_status st = lc_job_make_workers(j, cut);
     j->exact = exact;
-    if (!st) lc_parallel(j->ctx, CHOICE_SIDE * CHOICE_SIDE, choice_cell, j);
+    if (!st) lc_parallel(j->ctx, n, shade, j);
     for (uint32_t i = 0; i < j->ctx->n_threads && !st; i++) add_counts(&j->workers[i].stats, sum);
     j->exact = was;
     lc_job_free_workers(j);
@@ -125,14 +145,32 @@ static lc_status exact_pays(lc_render_job *j, const lc_cut_desc *cut, bool *pays
     if ((cut->max_cut && cut->max_cut < n) || n > NEVER_FEW) return LC_OK;
     *pays = n <= ALWAYS_FEW;
     if (*pays) return LC_OK;
-    lc_status st = try_method(j, cut, false, &cuts);
-    if (!st) st = try_method(j, cut, true, &all);
+    lc_status st = try_method(j, cut, false, CHOICE_SIDE * CHOICE_SIDE, choice_cell, &cuts);
+    if (!st) st = try_method(j, cut, true, CHOICE_SIDE * CHOICE_SIDE, choice_cell, &all);
     if (st) return st;
-    const uint64_t exact = all.points * n + WORK_OF_RAY * all.shadow_rays;
+    const double exact = work_of_all(&all, n);
     double by_cuts = work_of(&cuts);
     if (j->shared) by_cuts = j->pixel_work / j->spp * CHOICE_SIDE * CHOICE_SIDE;
-    *pays = (double)exact <= WORK_FOR_NO_ERROR * by_cuts;
+    *pays = exact <= WORK_FOR_NO_ERROR * by_cuts;
     return LC_OK;
+}
+
+/* Whether cuts that a pixel's samples share may save so much beside every light that pilots pay, which find
+ * out what they take. */
+static lc_status pilots_pay(lc_render_job *j, bool *pay)
+{
+    const uint64_t film = (uint64_t)j->scene->film.width * j->scene->film.height;
+    lc_stats cuts = { 0 }, all = { 0 };
+    *pay = false;
+    if (!(j->error > 0) || !j->max_points || j->spp < 2 || film < TRIED_FROM) return LC_OK;
+    j->shared = true;
+    const lc_cut_desc cut = lc_job_cut_desc(j);
+    lc_status st = try_method(j, &cut, false, TRIED_SIDE * TRIED_SIDE, choice_pixel, &cuts);
+    j->shared = false;
+    if (!st) st = try_method(j, &cut, true, TRIED_SIDE * TRIED_SIDE, choice_pixel, &all);
+    const double exact = work_of_all(&all, j->scene->tree->n_lights);
+    *pay = exact > 0 && (1 - work_of(&cuts) / exact) * (double)film > WORK_OF_PILOTS;
+    return st;
 }
 
 double lc_job_root_slots(const lc_render_job *j) { return sqrt(fmin(j->spp, j->scene->tree->n_reps)); }
@@ -175,9 +213,8 @@ lc_status lc_choose_method(lc_render_job *j, lc_render_stats *stats)
     stats->exact = j->exact = d->method == LC_METHOD_EXACT;
     if (j->exact) return LC_OK;
     j->error = d->error;
-    const lc_film_desc *film = &j->scene->film;
-    j->evidence = d->error > 0 && j->scene->tree->n_reps > 1 &&
-                  (uint64_t)film->width * film->height >= EVIDENCE_FROM;
+    const uint64_t film = (uint64_t)j->scene->film.width * j->scene->film.height;
+    j->evidence = d->error > 0 && j->scene->tree->n_reps > 1 && film >= EVIDENCE_FROM;
     j->z = d->error > 0 ? (float)(USUAL_Z / lc_job_root_slots(j)) : 0;
     bool few = d->method == LC_METHOD_LIGHTCUTS && n <= ALWAYS_FEW && !(d->max_cut && d->max_cut < n);
     if (!few && d->dark_floor > 0 && (d->error > 0 || d->error_ratio > 0))
@@ -185,6 +222,12 @@ lc_status lc_choose_method(lc_render_job *j, lc_render_stats *stats)
     j->floor = d->dark_floor * (float)stats->mean_luminance;
     const lc_cut_desc cut = lc_job_cut_desc(j);
     if (!st && d->method == LC_METHOD_LIGHTCUTS) st = exact_pays(j, &cut, &j->exact);
+    if (!st && j->exact && !few) {
+        bool pilots = false;
+        j->exact = false;
+        st = pilots_pay(j, &pilots);
+        j->exact = !pilots;
+    }
     if (!st && !j->exact && n && d->error > 0) st = choose_z(j, &stats->calibration);
     stats->exact = j->exact;
     return st;

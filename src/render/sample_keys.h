@@ -13,8 +13,7 @@ uint64_t lc_worker_slot(const lc_render_job *j, const lc_render_worker *w, uint3
 /* Lit point k of a sample: slot and point + k. */
 struct lc_sample_keys {
     uint64_t slot;  /* of representatives */
-    uint64_t point; /* the same, but by the sample's own slot where that one is another's: where round lights
-                     * have points, and so what is seen of them, is the same by every slot */
+    uint64_t point; /* where round lights have points, and so what is seen of them: the same by every slot */
     uint64_t near;  /* of the pixel: rays to what is near */
     uint32_t index; /* of the sample in its pixel */
 };

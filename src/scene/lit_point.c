@@ -3,6 +3,7 @@
 
 #include "scene/light_places.h"
 #include "scene/sun.h"
+#include "shade/light_target.h"
 #include "shade/lobe.h"
 #include "shade/point_init.h"
 
@@ -156,6 +157,6 @@ void lc_lit_point(const lc_scene *scene, const lc_lit *lit, uint64_t hash, lc_po
     lc_material m = lit->surface.material;
     merge_lamps(scene, lit, &m);
     init_point(scene, lit, &m, p);
-    p->turn = (uint32_t)((hash & 15) * 2 + (hash >> 36 & 1)); /* the pixels of a block differ */
+    p->turn = lc_turn((uint32_t)hash, (uint32_t)(hash >> 48));
     soften(scene, lit, p);
 }

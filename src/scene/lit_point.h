@@ -6,7 +6,7 @@
 #include "shade/point.h"
 
 /* What the kernels read of a lit surface is p[0]. It may refer to p[1], with another material for the lights
- * that a narrow lobe would show as dots. hash: that of the sample's slot, plus the surface's number. */
+ * that a narrow lobe would show as dots. hash: lc_sample_keys.point, plus the surface's number. */
 void lc_lit_point(const lc_scene *scene, const lc_lit *lit, uint64_t hash, lc_point p[2]);
 
 /* What light that rays gather meets: no lobe is widened to what virtual lights resolve. lobe: its lobe alone,

@@ -82,6 +82,7 @@ typedef struct lc_luminaire {
 } lc_luminaire;
 
 #define LC_NEXT_TURN 13u /* points of light_target.h from one lc_light.turn to the next */
+#define LC_BALL_DEPTH 2  /* times that a ball is divided by four at most */
 
 /* How a virtual light shines that stands for what a lobe reflects: light_virtual.h. */
 typedef struct lc_shine {
@@ -106,6 +107,8 @@ typedef struct lc_light {
         struct {
             float radius;   /* kinds with LC_LIGHT_SIZED, > 0: scene units; sky: a tangent */
             uint32_t turn;  /* of the sky: light_sky.h */
+            uint32_t depth; /* of a ball: it is one of 4^depth lights in one place; at most LC_BALL_DEPTH */
+            uint32_t part;  /* which; a digit to the base of 4 each division, the first one lowest */
         };
     };
     lc_light_kind kind;

@@ -1,6 +1,7 @@
 /* light_ball.h - spheres that emit the same radiance L everywhere: G = 1 / d^2 from the centre, intensity
  * pi r^2 L in W/sr. That is what a sphere wholly above the horizon gives a diffuse surface exactly, at any
- * distance. Shadow rays go to points of its surface (light_target.h).
+ * distance. Shadow rays go to points of its surface (light_target.h). A ball that gives much of the light
+ * of a place is several of them in one spot.
  */
 #ifndef LC_LIGHT_BALL_H
 #define LC_LIGHT_BALL_H

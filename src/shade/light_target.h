@@ -1,19 +1,33 @@
 /* light_target.h - where shadow rays go to lights that have a size, another point of each for each
- * lc_point.turn: to a ball's cap that is seen from the shading point, evenly over the disc that this cap is
- * seen as; to a disc of the sky evenly.
+ * lc_point.turn.
  *
- * The half of the two unit vectors w, towards the point, and u, which is even over the sphere, is distributed
- * over the half that faces the point by the cosine, so its part s across w is even over a disc. Of the ball,
- * of radius r and at distance d, the cap with w.n >= r / d is seen: s is scaled by sqrt(1 - (r / d)^2).
+ * Discs of the sky: the half of the two unit vectors w, towards the middle, and u, which is even over the
+ * sphere, is distributed over the half that faces w by the cosine, so its part s across w is even over a
+ * disc.
+ *
+ * Balls, of radius r and at distance d, fill a cone of directions w with the sine S = r / d. A surface of
+ * normal n is lit from each by n.w: on the disc of their parts across the cone's axis this is a density of
+ * about 1 + t x, x towards n, t the tangent of the angle between n and the axis. Shadow rays go to points of
+ * that disc with this density, in media to even ones; then the part of them that arrives is the part of the
+ * light. With the point (x, y) of the unit disc, rho^2 = x^2 + y^2, q = sqrt(1 - rho^2) and
+ * a = sqrt(1 - rho^2 S^2), the ball is met at the unit vector
+ *     ((a - S q) x, (a - S q) y, -(rho^2 S + a q))
+ * from its middle, z along the axis.
+ *
+ * The points are those of lc_sample_pair: the first 16 samples of a pixel have one in each of 16 parts of the
+ * disc, the pixels of a block others, each block and light its own shift. Of a ball that is several lights
+ * (lc_light.part) each has one in another part.
  */
 #ifndef LC_LIGHT_TARGET_H
 #define LC_LIGHT_TARGET_H
 
+#include "base/sample.h"
+#include "base/sample_dir.h"
 #include "shade/tree_data.h"
 
 #define LC_TARGET_POINTS 32
 #define LC_TARGET_STEP   11 /* between few turns that are to go round the disc, as those 8 apart do not */
-#define LC_BALL_INSIDE 0.9998f /* of s^2: rounding must not lead behind the edge of the cap */
+#define LC_BALL_INSIDE 0.9998 /* of rho^2: rounding must not lead behind the edge of what is seen */
 
 /* Unit vectors, evenly over the sphere, in rows for vf_rows. */
 static const float lc_target_point[LC_TARGET_POINTS][4] = {
@@ -47,18 +61,85 @@ static inline float lc_target_radius(const lc_light_rec *light)
     return radius;
 }
 
+/* A ball's lc_light_rec.dir_b: its part's depth and number below a random word. */
+#define LC_BALL_PART_BITS 8
+_Static_assert(LC_BALL_DEPTH < 4 && 2 * LC_BALL_DEPTH + 2 <= LC_BALL_PART_BITS, "two bits of depth");
+
+/* Of lc_point.turn: the number of a sample in its block of pixels, in the low 16 bits with the lowest five in
+ * the order that the sky has, and a random word of the block. */
+static inline uint32_t lc_turn(uint32_t sample, uint32_t block)
+{
+    return block << 16 | (sample & 0xffe0) | (sample << 1 & 30) | (sample >> 4 & 1);
+}
+
+static inline uint32_t lc_turn_sample(uint32_t turn)
+{
+    return (turn & 0xffe0) | (turn >> 1 & 15) | (turn << 4 & 16);
+}
+
+/* Cosine and sine of the middle of each 32nd of a turn. */
+static const double lc_target_turn[32][2] = {
+    { 0.99518472667219693, 0.098017140329560604 }, { 0.95694033573220882, 0.29028467725446233 },
+    { 0.88192126434835505, 0.47139673682599764 }, { 0.77301045336273699, 0.63439328416364549 },
+    { 0.63439328416364549, 0.77301045336273699 }, { 0.47139673682599781, 0.88192126434835494 },
+    { 0.29028467725446233, 0.95694033573220894 }, { 0.09801714032956077, 0.99518472667219682 },
+    { -0.098017140329560645, 0.99518472667219693 }, { -0.29028467725446216, 0.95694033573220894 },
+    { -0.4713967368259977, 0.88192126434835505 }, { -0.63439328416364538, 0.7730104533627371 },
+    { -0.77301045336273699, 0.63439328416364549 }, { -0.88192126434835494, 0.47139673682599786 },
+    { -0.95694033573220882, 0.29028467725446239 }, { -0.99518472667219682, 0.098017140329560826 },
+    { -0.99518472667219693, -0.09801714032956059 }, { -0.95694033573220894, -0.29028467725446211 },
+    { -0.88192126434835505, -0.47139673682599764 }, { -0.7730104533627371, -0.63439328416364527 },
+    { -0.63439328416364593, -0.77301045336273666 }, { -0.47139673682599786, -0.88192126434835494 },
+    { -0.29028467725446244, -0.95694033573220882 }, { -0.098017140329560451, -0.99518472667219693 },
+    { 0.09801714032956009, -0.99518472667219693 }, { 0.29028467725446205, -0.95694033573220894 },
+    { 0.47139673682599759, -0.88192126434835505 }, { 0.6343932841636456, -0.77301045336273688 },
+    { 0.77301045336273666, -0.63439328416364593 }, { 0.88192126434835483, -0.47139673682599792 },
+    { 0.95694033573220882, -0.2902846772544625 }, { 0.99518472667219693, -0.098017140329560506 },
+};
+
+/* The point at a part u[1] of a turn and the radius sqrt(u[0]), to 2e-9. */
+static inline void lc_target_disc(const double u[2], double *x, double *y)
+{
+    const double at = u[1] * 32, whole = floor(at), a = (at - whole - 0.5) * (2 * LC_PI / 32), a2 = a * a,
+                 sine = a * (1 - a2 / 6 * (1 - a2 / 20)), cosine = 1 - a2 / 2 * (1 - a2 / 12), r = sqrt(u[0]);
+    const double *t = lc_target_turn[(uint32_t)whole & 31];
+    *x = r * (t[0] * cosine - t[1] * sine);
+    *y = r * (t[1] * cosine + t[0] * sine);
+}
+
+/* x of a point of a disc, moved along its chord from -half to half so that what was even gets the density
+ * 1 + tilt x. */
+static inline double lc_tilt_disc(double x, double half, double tilt)
+{
+    const double k = tilt * half < 1 ? tilt * half : 1, v = x / half;
+    return half * (2 * v + k) / (1 + sqrt(1 + 2 * k * v + k * k));
+}
+
 static inline void lc_ball_target(const lc_light_rec *light, const lc_point *p, float target[3])
 {
-    const float *u = lc_target_row(light, p);
-    const lc_f3 centre = lc_f3_load(light->pos), d = lc_f3_sub(centre, lc_f3_load(p->pos));
-    const float radius = lc_target_radius(light), d2 = lc_f3_dot(d, d), least2 = radius * radius;
-    const float cap2 = d2 > least2 ? (1 - least2 / d2) * LC_BALL_INSIDE : 0; /* greatest s^2 */
-    const lc_f3 w = lc_f3_neg(lc_f3_normalize(d)), half = lc_f3_normalize(lc_f3_add(lc_f3_load(u), w));
-    const float cosine = lc_f3_dot(half, w);
-    const lc_f3 s = lc_f3_scale(lc_f3_sub(half, lc_f3_scale(w, cosine)), sqrtf(cap2));
-    const float along2 = 1 - lc_f3_dot(s, s);
-    const lc_f3 n = lc_f3_add(s, lc_f3_scale(w, along2 > 0 ? sqrtf(along2) : 0));
-    lc_f3_store(target, lc_f3_add(centre, lc_f3_scale(n, radius)));
+    const uint32_t depth = light->dir_b & 3, part = light->dir_b >> 2 & ((1u << 2 * LC_BALL_DEPTH) - 1);
+    const lc_f3 centre = lc_f3_load(light->pos), to = lc_f3_sub(centre, lc_f3_load(p->pos)),
+                e = lc_f3_normalize(to), n = lc_f3_load(p->n);
+    const float radius = lc_target_radius(light);
+    const double far = sqrt((double)lc_f3_dot(to, to)), sine = fmin((double)radius / far, 1),
+                 cosine = (double)lc_f3_dot(n, e);
+    lc_f3 across = lc_f3_sub(n, lc_f3_scale(e, (float)cosine)); /* where the cosine grows */
+    const double across2 = (double)lc_f3_dot(across, across);
+    double u[2], x, y;
+    lc_sample_pair(lc_hash2(light->dir_b >> LC_BALL_PART_BITS, p->turn >> 16),
+                   lc_turn_sample(p->turn) << 2 * depth | part, u);
+    u[0] *= sine < 1 ? LC_BALL_INSIDE : 0;
+    lc_target_disc(u, &x, &y);
+    across = across2 > 1e-6 ? lc_f3_normalize(across) : lc_sample_frame(e, 1, 0, 0);
+    if (p->lobe != LC_LOBE_PHASE && cosine > 0 && sine < 1)
+        x = lc_tilt_disc(x, sqrt(LC_BALL_INSIDE - y * y),
+                         sine * sqrt(across2 / (1 - sine * sine * (2.0 / 3))) / cosine);
+    const double r2 = x * x + y * y, q = sqrt(fmax(1 - r2, 0)), along = sqrt(1 - r2 * sine * sine),
+                 s = along - sine * q, w = r2 * sine + along * q;
+    const lc_f3 m = lc_f3_add(lc_f3_scale(across, (float)(s * x)),
+                              lc_f3_sub(lc_f3_scale(lc_f3_cross(e, across), (float)(s * y)),
+                                        lc_f3_scale(e, (float)w)));
+    lc_f3_store(target, lc_f3_add(centre, lc_f3_scale(m, radius)));
 }
 
 /* The unit direction from which p is lit: w + radius s, made unit, which is no farther from w than the

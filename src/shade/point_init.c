@@ -3,6 +3,7 @@
 
 #include "base/rng.h"
 #include "shade/dir_pack.h"
+#include "shade/light_target.h"
 #include "shade/lobe.h"
 
 #include <string.h>
@@ -46,7 +47,8 @@ void lc_light_rec_init(lc_light_rec *rec, const lc_light *light)
         memcpy(pos, &light->pos, sizeof pos);
         memcpy(&dir[0], &light->radius, sizeof dir[0]);
         dir[1] = lc_is_far(light->kind) ? light->turn * LC_NEXT_TURN
-                                        : (uint32_t)lc_hash4(pos[0], pos[1], pos[2], 0);
+                                        : (uint32_t)lc_hash4(pos[0], pos[1], pos[2], 0) << LC_BALL_PART_BITS |
+                                              light->part << 2 | light->depth;
     }
     lc_f3_store(rec->pos, lc_is_far(light->kind) ? lc_f3_neg(light->dir) : light->pos);
     lc_f3_store(rec->intensity, light->intensity);
