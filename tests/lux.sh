@@ -71,6 +71,18 @@ good 'a light at the height of a cylinder' level.pbrt --points level.csv --cylin
 check '4 / pi upright' near "$(cell out 1 7)" 1.273239545 1e-5
 check '4 / pi on its side' near "$(cell out 2 7)" 1.273239545 1e-5
 check 'nothing along the axis' near "$(awk -F, 'NR == 5 { print 1 + $7 }' out)" 1 1e-5
+# What a half plane at half of the height leaves of a sphere, by an integral over its disc.
+cat >ball.pbrt <<'END'
+WorldBegin Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-9 1 -9 0 1 -9 0 1 9 -9 1 9]
+AreaLightSource "diffuse" "rgb L" [1 1 1] Translate 0 2 0 Shape "sphere" "float radius" .5
+END
+printf 'x,y,z,nx,ny,nz\n-.15,0,0,0,1,0\n0,0,0,0,1,0\n.15,0,0,0,1,0\n2,0,0,0,1,0\n' >ball.csv
+good 'the penumbra of a sphere' ball.pbrt --points ball.csv
+check 'dark for the most part' near "$(cell out 1 7)" 0.060772 0.02
+check 'half' near "$(cell out 2 7)" 0.098176 0.02
+check 'bright for the most part' near "$(cell out 3 7)" 0.133934 0.02
+check 'states how far its lights are from it' awk -v got="$(cell out 2 8)" 'BEGIN { exit !(got > 1e-4 && got < 0.1) }'
+check 'at 95 of 100' test "$(cell out 2 9)" = 95
 good 'efficacy' one.pbrt --grid=2.5,-0.5,0:1,0,0:0,1,0:1,1 --scalar --efficacy 10 -q
 check 'multiplies' near "$(cell out 1 7)" 277.7778 1e-5
 check 'quiet' test ! -s err

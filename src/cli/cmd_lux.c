@@ -12,6 +12,7 @@
 #define ROW         1024   /* points a row, where they have no order */
 #define BLOCK       4      /* cells of a grid whose sensors are computed together */
 #define LUX_ERROR   0.005f /* --error, where it is not given: luminaires are known to a few per cent */
+#define LAMPS_WITHIN 95    /* of lc_scene_info.lamps_high, per cent */
 #define ROUNDING    1e-5   /* relative, of sums of floats: what is stated where nothing else is off */
 
 typedef struct options {
@@ -304,13 +305,16 @@ static int make_sensors(const options *o, lux_table *t, lux_values *v, lc_sensor
 /* Whether nothing was left out anywhere: also where no light is. */
 static bool is_exact(const lc_render_stats *stats) { return stats->exact || !stats->calibration.n_pilots; }
 
-static int set_values(const options *o, const lc_image *image, const lc_render_stats *stats, lux_values *v)
+/* To what cuts leave out comes how far the lights of lamps are from their lamps, at 95 of 100 sensors. */
+static int set_values(const options *o, const lc_image *image, const lc_render_stats *stats,
+                      const lc_scene_info *info, lux_values *v)
 {
     const float *rgb[3] = { lc_image_channel(image, "R"), lc_image_channel(image, "G"),
                             lc_image_channel(image, "B") },
                 *error = lc_image_channel(image, "cut.error");
     const double floor_value = (double)o->render.dark_floor * stats->mean_luminance,
                  asked = (double)o->render.error;
+    const double lamps = fmax(info->lamps_high, ROUNDING);
     double sum = 0; /* a cut's own half-width, which is less than is asked, would hold for fewer of them */
     if (o->camera) {
         lc_image_desc size = LC_IMAGE_DESC_INIT;
@@ -326,12 +330,13 @@ static int set_values(const options *o, const lc_image *image, const lc_render_s
         return CLI_FAILED;
     }
     v->within = is_exact(stats) ? 100 : (double)o->render.within;
+    if (lamps > ROUNDING) v->within = fmin(v->within, LAMPS_WITHIN);
     v->min = HUGE_VAL;
     v->max = -HUGE_VAL;
     for (size_t i = 0; i < v->n; i++) {
         const double y = 0.2126 * (double)rgb[0][i] + 0.7152 * (double)rgb[1][i] + 0.0722 * (double)rgb[2][i],
                      half = !is_exact(stats) && error[i] > 0 ? asked * fmax(y, floor_value) : 0;
-        v->error[i] = y > 0 ? fmax(half / y, ROUNDING) : 1;
+        v->error[i] = y > 0 ? half / y + lamps : 1;
         v->value[i] = y * o->efficacy;
         v->min = fmin(v->min, v->value[i]);
         v->max = fmax(v->max, v->value[i]);
@@ -461,7 +466,7 @@ static int measure(options *o, lc_context *ctx, const lc_scene *scene, lux_table
     lc_status st = lc_render(ctx, scene, &o->render, &image, &stats);
     cli_progress_end(&line);
     int status = cli_exit_status(st);
-    if (!status) status = set_values(o, image, &stats, v);
+    if (!status) status = set_values(o, image, &stats, &info, v);
     lc_image_destroy(image);
     if (status) return status;
     name_values(o, v);

@@ -24,7 +24,8 @@
 #include <string.h>
 
 #define MAX_DEPTH      12   /* divisions of a triangle */
-#define BALL_SHARE     0.07f /* of a part of a ball: samples of a pixel see other points of it */
+#define BALL_DEPTH     2    /* of a ball, where samples of a pixel see other points of each part, ... */
+#define BALL_SHARE     0.07f /* ... and its share. A sensor has one sample: balls are divided as others are */
 #define FIRST_SHARE    0.25 /* the first step's bound */
 #define MIN_MAP_LIGHTS 64   /* of a triangle with an emission map, if lights are left */
 
@@ -171,9 +172,10 @@ typedef struct bound {
 
 static bool divisible(const lc_patches *m, const lc_patch *p, const bound *b)
 {
-    const bool ball = lc_patch_source(m, p)->is_ball;
-    return p->share[b->which] > (ball ? fmaxf(b->least, BALL_SHARE) : b->least) &&
-           p->depth < (ball ? LC_BALL_DEPTH : MAX_DEPTH) && !has_map(m, p);
+    const bool ball = lc_patch_source(m, p)->is_ball, sampled = ball && !m->scene->sensors;
+    const int most = sampled ? BALL_DEPTH : ball ? LC_BALL_DEPTH : MAX_DEPTH;
+    return p->share[b->which] > (sampled ? fmaxf(b->least, BALL_SHARE) : b->least) && p->depth < most &&
+           !has_map(m, p);
 }
 
 void lc_patch_divide(const lc_patch *p, lc_patch parts[4])

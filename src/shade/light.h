@@ -82,7 +82,7 @@ typedef struct lc_luminaire {
 } lc_luminaire;
 
 #define LC_NEXT_TURN 13u /* points of light_target.h from one lc_light.turn to the next */
-#define LC_BALL_DEPTH 2  /* times that a ball is divided by four at most */
+#define LC_BALL_DEPTH 5  /* times that a ball may be divided by four */
 
 /* How a virtual light shines that stands for what a lobe reflects: light_virtual.h. */
 typedef struct lc_shine {

@@ -62,8 +62,9 @@ static inline float lc_target_radius(const lc_light_rec *light)
 }
 
 /* A ball's lc_light_rec.dir_b: its part's depth and number below a random word. */
-#define LC_BALL_PART_BITS 8
-_Static_assert(LC_BALL_DEPTH < 4 && 2 * LC_BALL_DEPTH + 2 <= LC_BALL_PART_BITS, "two bits of depth");
+#define LC_BALL_DEPTH_BITS 3
+#define LC_BALL_PART_BITS  (LC_BALL_DEPTH_BITS + 2 * LC_BALL_DEPTH)
+_Static_assert(LC_BALL_DEPTH < 1 << LC_BALL_DEPTH_BITS, "the depth fits");
 
 /* Of lc_point.turn: the number of a sample in its block of pixels, in the low 16 bits with the lowest five in
  * the order that the sky has, and a random word of the block. */
@@ -117,7 +118,8 @@ static inline double lc_tilt_disc(double x, double half, double tilt)
 
 static inline void lc_ball_target(const lc_light_rec *light, const lc_point *p, float target[3])
 {
-    const uint32_t depth = light->dir_b & 3, part = light->dir_b >> 2 & ((1u << 2 * LC_BALL_DEPTH) - 1);
+    const uint32_t depth = light->dir_b & ((1u << LC_BALL_DEPTH_BITS) - 1),
+                   part = (light->dir_b & ((1u << LC_BALL_PART_BITS) - 1)) >> LC_BALL_DEPTH_BITS;
     const lc_f3 centre = lc_f3_load(light->pos), to = lc_f3_sub(centre, lc_f3_load(p->pos)),
                 e = lc_f3_normalize(to), n = lc_f3_load(p->n);
     const float radius = lc_target_radius(light);

@@ -48,7 +48,7 @@ void lc_light_rec_init(lc_light_rec *rec, const lc_light *light)
         memcpy(&dir[0], &light->radius, sizeof dir[0]);
         dir[1] = lc_is_far(light->kind) ? light->turn * LC_NEXT_TURN
                                         : (uint32_t)lc_hash4(pos[0], pos[1], pos[2], 0) << LC_BALL_PART_BITS |
-                                              light->part << 2 | light->depth;
+                                              light->part << LC_BALL_DEPTH_BITS | light->depth;
     }
     lc_f3_store(rec->pos, lc_is_far(light->kind) ? lc_f3_neg(light->dir) : light->pos);
     lc_f3_store(rec->intensity, light->intensity);
