@@ -461,6 +461,20 @@ TEST(points_of_balls_are_seen)
     printf("  parts of the disc at most %.3f off\n", most);
 }
 
+/* The edge of the disc, however numbers are rounded there. */
+TEST(edges_of_discs_are_numbers)
+{
+    for (int i = 0; i < 100000; i++) {
+        const double u[2] = { LC_BALL_INSIDE * (1 - (i & 1) * 0x1p-32), (i / 2) / 50000.0 };
+        double x, y;
+        lc_target_disc(u, &x, &y);
+        for (int k = 0; k < 4; k++) {
+            const double at = lc_tilt_disc(x, y, k * k * k * 1e3);
+            CHECKF(at * at + y * y < 1, "%g, %g: %g", x, y, at);
+        }
+    }
+}
+
 /* A ball near a floor does not hide itself: no pixel of the floor is darker than the closed form. */
 TEST(balls_do_not_hide_themselves)
 {
@@ -518,6 +532,7 @@ int main(void)
     RUN(balls_are_seen);
     RUN(balls_are_exact_and_soft);
     RUN(points_of_balls_are_seen);
+    RUN(edges_of_discs_are_numbers);
     RUN(balls_do_not_hide_themselves);
     RUN(nothing_emits);
     one_scene_end();

@@ -108,12 +108,13 @@ static inline void lc_target_disc(const double u[2], double *x, double *y)
     *y = r * (t[1] * cosine + t[0] * sine);
 }
 
-/* x of a point of a disc, moved along its chord from -half to half so that what was even gets the density
- * 1 + tilt x. */
-static inline double lc_tilt_disc(double x, double half, double tilt)
+/* x of a point of the unit disc up to LC_BALL_INSIDE, moved along its chord from -half to half so that what
+ * was even gets the density 1 + tilt x. The point may be beyond by rounding. */
+static inline double lc_tilt_disc(double x, double y, double tilt)
 {
-    const double k = tilt * half < 1 ? tilt * half : 1, v = x / half;
-    return half * (2 * v + k) / (1 + sqrt(1 + 2 * k * v + k * k));
+    const double half = sqrt(fmax(LC_BALL_INSIDE - y * y, 1e-6)),
+                 k = tilt * half < 1 ? tilt * half : 1, v = x / half;
+    return half * (2 * v + k) / (1 + sqrt(fmax(1 + 2 * k * v + k * k, 0)));
 }
 
 static inline void lc_ball_target(const lc_light_rec *light, const lc_point *p, float target[3])
@@ -134,8 +135,7 @@ static inline void lc_ball_target(const lc_light_rec *light, const lc_point *p, 
     lc_target_disc(u, &x, &y);
     across = across2 > 1e-6 ? lc_f3_normalize(across) : lc_sample_frame(e, 1, 0, 0);
     if (p->lobe != LC_LOBE_PHASE && cosine > 0 && sine < 1)
-        x = lc_tilt_disc(x, sqrt(LC_BALL_INSIDE - y * y),
-                         sine * sqrt(across2 / (1 - sine * sine * (2.0 / 3))) / cosine);
+        x = lc_tilt_disc(x, y, sine * sqrt(across2 / (1 - sine * sine * (2.0 / 3))) / cosine);
     const double r2 = x * x + y * y, q = sqrt(fmax(1 - r2, 0)), along = sqrt(1 - r2 * sine * sine),
                  s = along - sine * q, w = r2 * sine + along * q;
     const lc_f3 m = lc_f3_add(lc_f3_scale(across, (float)(s * x)),
