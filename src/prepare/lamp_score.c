@@ -85,8 +85,8 @@ static const lc_patch_block *get_block(const lc_patches *m, size_t first, uint32
 }
 
 /* Luminance that each patch of the block contributes to a point, shadows ignored. With reach 1, about what
- * the nearest part of the patch would contribute if all the patch were there; with reach 0, what its middle
- * would. */
+ * the nearest part of the patch would contribute if all the patch were there, of a ball as much as needs to
+ * be divided; with reach 0, what its middle would. */
 static void contributions(const lc_patch_block *b, const lc_place *at, float reach, float f[BLOCK])
 {
     for (uint32_t i = 0; i < b->n; i++) {
@@ -98,7 +98,7 @@ static void contributions(const lc_patch_block *b, const lc_place *at, float rea
         float near = d - r > 0.25f * d ? d - r : 0.25f * d;
         in = in < d ? in : d;
         float v = in > 0 && out > GRAZING * d ? b->strength[i] * (in * out) / (d2 * near * near) : 0;
-        if (b->all_round[i] > 0) v *= fminf(1, PENUMBRA * r / d + 1 - reach);
+        if (b->all_round[i] > 0 && reach > 0) v *= fminf(1, PENUMBRA * r / d);
         f[i] = v < b->most[i] ? v : b->most[i];
     }
 }

@@ -24,7 +24,7 @@ uint64_t lc_slot_hash(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t i
 static uint64_t point_hash(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t i)
 {
     const uint64_t slot = lc_slot_hash(j, x, y, i);
-    uint32_t bits = 4; /* of the number of samples of a pixel */
+    uint32_t bits = 4; /* of the number of samples of a pixel; 4 of the 16 of lc_turn are the pixel's */
     while (bits < 12 && (uint64_t)1 << bits < j->spp) bits++;
     const uint32_t of_pixel = (i & ((1u << bits) - 16)) | (uint32_t)(slot & 15),
                    of_block = number_in_block(x, y, slot >> 4) << bits | of_pixel;
