@@ -146,7 +146,7 @@ void lc_edges_find(const lc_render_job *j, lc_render_worker *w, uint32_t x, uint
     e->n_parts = 0;
     memset(e->of_group, 0, sizeof e->of_group);
     lc_phase_start(&w->stats);
-    lc_pixel_sights_begin(&all, j, x, y, 0);
+    lc_pixel_sights_begin(&all, j, x, y, 0, &w->light);
     e->kept = look(&v, &all, w, j->spp);
     v.is_sample = false;
     if (e->kept && (v.differ || (v.most - v.least) * (float)j->spp > LEAST_STEP * lc_luminance(v.emitted))) {

@@ -98,7 +98,7 @@ static void survey_block(const lc_render_job *j, lc_cut *c, lc_guide *g, lc_stat
         /* A pixel whose samples share a cut has no use for its row: half of the rows tell as much. */
         if (j->shared && (k + k / LC_PIXEL_BLOCK) % 2) continue;
         if (x >= j->scene->film.width || y >= j->scene->film.height) continue;
-        if (!lc_sample_sight(j, x, y, j->first, NULL, &dir, &s) || !s.n_lit) continue;
+        if (!lc_sample_sight(j, x, y, j->first, NULL, NULL, &dir, &s) || !s.n_lit) continue;
         const lc_surface *surface = &s.lit[0].surface;
         const uint64_t hash = lc_slot_hash(j, x, y, j->first);
         if (!lc_guide_start(g, surface->pos, surface->n)) continue;
@@ -122,7 +122,7 @@ void lc_guide_make(const lc_render_job *j, lc_cut *c, lc_guide *g, lc_stats *wor
     lc_cut_result r;
     const uint64_t hash = lc_slot_hash(j, g->x, g->y, j->first);
     c->start_only = g->evidence;
-    if (lc_sample_sight(j, g->x, g->y, j->first, NULL, &dir, &s) && s.n_lit) {
+    if (lc_sample_sight(j, g->x, g->y, j->first, NULL, NULL, &dir, &s) && s.n_lit) {
         lc_lit_point(j->scene, &s.lit[0], hash, p);
         lc_guided_cut(c, g, p, &s.lit[0].surface, hash, stats, &r);
     }

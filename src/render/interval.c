@@ -76,7 +76,7 @@ bool lc_sample_interval(lc_render_job *j, lc_render_worker *w, uint32_t x, uint3
     lc_film_weights(&j->scene->film, lc_f3_make(1, 1, 1), weight);
     if (j->exact) {
         *out = lc_interval_of(rgb, weight);
-    } else if (!lc_sample_sight(j, x, y, i, NULL, &dir, &s)) {
+    } else if (!lc_sample_sight(j, x, y, i, &w->light, NULL, &dir, &s)) {
         const lc_f3 emitted = lc_background(j->scene, LC_SKY_ALL, dir);
         *out = lc_interval_of(lc_edges_emitted(w, emitted), weight);
     } else {

@@ -35,7 +35,7 @@ static bool shows_lit(const lc_render_job *j, uint32_t pixel)
     lc_sight sight;
     lc_f3 dir;
     for (uint32_t k = 0; k < n; k++)
-        if (lc_sample_sight(j, pixel % width, pixel / width, k * j->spp / n, NULL, &dir, &sight) &&
+        if (lc_sample_sight(j, pixel % width, pixel / width, k * j->spp / n, NULL, NULL, &dir, &sight) &&
             sight.n_lit)
             return true;
     return false;

@@ -112,7 +112,7 @@ bool lc_render_sample(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_
     lc_f3 *of_group = lc_groups_begin_sample(w->groups);
     bool hit;
     const bool kept = lc_edges_sight(w, i, &hit, &dir, &s);
-    if (!kept) hit = lc_sample_sight(j, x, y, i, of_group, &dir, &s);
+    if (!kept) hit = lc_sample_sight(j, x, y, i, &w->light, of_group, &dir, &s);
     lc_phase_end(&w->stats, LC_PHASE_CAMERA);
     if (!hit) {
         *rgb = kept ? s.emission : lc_background(j->scene, LC_SKY_ALL, dir);

@@ -28,8 +28,26 @@ static const lc_scene *scene_at(const lc_render_job *j, uint64_t pixel, uint32_t
     return lc_moments_at(&j->moments, (uint32_t)(u[0] * j->moments.n));
 }
 
-void lc_pixel_sights_begin(lc_pixel_sights *s, const lc_render_job *j, uint32_t x, uint32_t y,
-                           uint32_t first)
+/* What the pixel's middle sees of light serves all of its samples. */
+static void find_light(const lc_render_job *j, uint32_t x, uint32_t y, lc_pixel_light *out)
+{
+    const double lens[2] = { 0.5, 0.5 };
+    const lc_camera *c = &j->scene->camera;
+    const bool alone = j->spp < 2;
+    const lc_f3 radius = lc_f3_make((float)c->lens[0][0], (float)c->lens[0][1], (float)c->lens[0][2]);
+    const lc_ray_spread spread = { alone ? 0 : (float)c->pixel,
+                                   alone || !(c->focal > 0) ? 0 : lc_f3_len(radius), (float)c->focal };
+    lc_f3 org, dir;
+    if (out->known && out->x == x && out->y == y) return;
+    *out = (lc_pixel_light){ .known = true, .x = x, .y = y };
+    out->slot = (uint32_t)lc_job_key(j, lc_pixel_number(j, x, y), 0, LC_DIM_MEDIUM);
+    if (j->scene->sensors) return;
+    lc_view_ray(j->scene, (int32_t)x + 0.5, (int32_t)y + 0.5, lens, &org, &dir);
+    lc_ray_light_find(j->scene, org, dir, &spread, out->slot, &out->along);
+}
+
+void lc_pixel_sights_begin(lc_pixel_sights *s, const lc_render_job *j, uint32_t x, uint32_t y, uint32_t first,
+                           lc_pixel_light *light)
 {
     const uint64_t pixel = lc_pixel_number(j, x, y);
     s->job = j;
@@ -40,6 +58,10 @@ void lc_pixel_sights_begin(lc_pixel_sights *s, const lc_render_job *j, uint32_t 
     s->film = j->spp > 1 && !j->share ? lc_job_key(j, pixel, 0, LC_DIM_FILM) : 0;
     s->lobe = j->spp > 1 && j->scene->follows_smooth ? lc_job_key(j, pixel, 0, LC_DIM_LOBE) : 0;
     s->lens = j->spp > 1 && j->scene->camera.focal > 0 ? lc_job_key(j, pixel, 0, LC_DIM_LENS) : 0;
+    if (!j->scene->media.present) return;
+    s->light = light ? light : &s->own;
+    s->own.known = false;
+    find_light(j, x, y, s->light);
 }
 
 static bool trace_sample(const lc_pixel_sights *p, bool again, lc_f3 *of_group, lc_f3 *dir, lc_sight *out)
@@ -62,7 +84,11 @@ static bool trace_sample(const lc_pixel_sights *p, bool again, lc_f3 *of_group, 
     how.lobe_key = p->lobe;
     how.lobe_step = (j->lens_order + 1) * LC_EDGE_RAYS;
     how.lobe_index = i ^ (uint32_t)(lc_mix(p->lobe) & j->lens_order);
-    if (j->scene->media.present) how.offset = medium_offset(j, p->x, p->y, i);
+    if (j->scene->media.present) {
+        how.offset = medium_offset(j, p->x, p->y, i);
+        how.light = &p->light->along;
+        how.slot = p->light->slot;
+    }
     return lc_view_sight(scene_at(j, lc_pixel_number(j, p->x, p->y), i), (int32_t)p->x + 0.5 + offset[0],
                          (int32_t)p->y + 0.5 + offset[1], lens, &how, dir, out);
 }
@@ -76,10 +102,10 @@ bool lc_pixel_sights_next(lc_pixel_sights *s, lc_f3 *of_group)
     return is_seen;
 }
 
-bool lc_sample_sight(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t i, lc_f3 *of_group, lc_f3 *dir,
-                     lc_sight *out)
+bool lc_sample_sight(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t i, lc_pixel_light *light,
+                     lc_f3 *of_group, lc_f3 *dir, lc_sight *out)
 {
     lc_pixel_sights s;
-    lc_pixel_sights_begin(&s, j, x, y, i);
+    lc_pixel_sights_begin(&s, j, x, y, i, light);
     return trace_sample(&s, false, of_group, dir, out);
 }

@@ -8,6 +8,7 @@
 #define LC_PIXEL_SIGHTS_H
 
 #include "render/render_job.h"
+#include "scene/ray_light.h"
 #include "scene/sight.h"
 
 #define LC_EDGE_RAYS 4 /* for each sample at edges, see render/edges.h; a power of 2 */
@@ -18,19 +19,21 @@ typedef struct lc_pixel_sights {
     uint32_t x, y, next; /* the sample */
     bool begun;
     uint64_t film, lens, lobe; /* keys of their numbers; 0: the middle */
+    lc_pixel_light own, *light; /* where there are media */
     lc_f3 dir;           /* of the last sample's ray, */
     lc_sight sight;      /* and what it shows; set by the first */
 } lc_pixel_sights;
 
-/* Begins with sample `first`. Beyond the film coordinates are modulo 2^32. */
-void lc_pixel_sights_begin(lc_pixel_sights *s, const lc_render_job *j, uint32_t x, uint32_t y,
-                           uint32_t first);
+/* Begins with sample `first`. Beyond the film coordinates are modulo 2^32. light: of the last pixel, and then
+ * of this one; or NULL. */
+void lc_pixel_sights_begin(lc_pixel_sights *s, const lc_render_job *j, uint32_t x, uint32_t y, uint32_t first,
+                           lc_pixel_light *light);
 /* What the next sample shows; as lc_sight_trace. One sample a pixel is of the pixel's centre and the lens's.
  * of_group: as of lc_sight_desc. */
 bool lc_pixel_sights_next(lc_pixel_sights *s, lc_f3 *of_group);
 /* The same for one sample alone. */
-bool lc_sample_sight(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t i, lc_f3 *of_group, lc_f3 *dir,
-                     lc_sight *s);
+bool lc_sample_sight(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t i, lc_pixel_light *light,
+                     lc_f3 *of_group, lc_f3 *dir, lc_sight *s);
 
 static inline uint64_t lc_pixel_number(const lc_render_job *j, uint32_t x, uint32_t y)
 {

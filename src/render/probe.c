@@ -56,7 +56,7 @@ static bool add_first(probed_pixel *px, uint32_t sample)
     lc_stats stats = { 0 };
     lc_f3 dir;
     lc_sight sight;
-    if (!lc_sample_sight(j, px->x, px->y, sample, NULL, &dir, &sight)) return false;
+    if (!lc_sample_sight(j, px->x, px->y, sample, NULL, NULL, &dir, &sight)) return false;
     lc_guide_of(j, cut, px->guide, px->x, px->y, sample, NULL);
     cut->row = sample ? LC_NONE : lc_guide_row(px->guide, px->x, px->y);
     for (uint32_t k = 0; k < sight.n_lit; k++) {
@@ -152,7 +152,7 @@ static lc_status probe_sample(lc_render_job *j, uint32_t x, uint32_t y, uint32_t
     if (!st) st = lc_cut_init(&p->cut, j->ctx, scene->tree, &scene->visibility, &cut, true);
     if (!st) st = lc_near_cuts_create(scene, &p->near);
     if (st) return st;
-    p->hit = lc_sample_sight(j, x, y, sample, NULL, &dir, &p->sight);
+    p->hit = lc_sample_sight(j, x, y, sample, NULL, NULL, &dir, &p->sight);
     if (p->hit && p->sight.n_lit) return probe_lit(j, x, y, sample, p);
     p->hit &= p->sight.is_hit;
     if (!p->hit) return LC_OK;

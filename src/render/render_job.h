@@ -1,13 +1,12 @@
 /* render_job.h - one call of lc_render while it runs: what its parts share.
  *
- *     method.c   pre-pass for the dark floor; cuts or every light
- *     calibrate.c   the factor z that keeps the error asked of pixels
+ *     method.c   pre-pass for the dark floor; cuts or every light; calibrate.c: z for the error asked
  *     guide.c    the cut that a block's cuts begin with
  *     pixel.c    camera rays, shading points, their cuts, the pixel
  *     edges.c    pixels with more camera rays; share.c: samples that neighbours share
  *     interpolate.c  pixels between others that are lit alike; reconstruct.c: coarse pictures
- *     render.c   tiles over threads, the film; interval.c: the AOV
- *     render_stats.c   counts of all threads; attributes; group_sums.c: what each group of lights contributes
+ *     render.c   tiles over threads, the film; interval.c: the AOV; render_stats.c: counts of all threads
+ *     group_sums.c   what each group of lights contributes; attributes
  *     probe.c    a sample on its own, its cut kept; first_cuts.h: what limits of a pixel's cuts go by
  *
  * Every pixel depends on scene, descriptor and its coordinates only: positions of samples and slots come from
@@ -22,14 +21,14 @@
 #include "render/first_cuts.h"
 #include "scene/filter_share.h"
 #include "scene/motion.h"
+#include "scene/ray_light.h"
 #include "scene/view.h"
 #include <stdatomic.h>
 
 #define LC_PIXEL_BLOCK 4 /* pixels a side that share a guide and deal out the slots of representatives */
 
-/* INTERVAL: + the lit point */
 enum { LC_DIM_FILM, LC_DIM_LENS, LC_DIM_SLOT, LC_DIM_MEDIUM, LC_DIM_INTERVAL, LC_DIM_TIME = 1000,
-       LC_DIM_NEAR, LC_DIM_LOBE };
+       LC_DIM_NEAR, LC_DIM_LOBE }; /* INTERVAL: + the lit point */
 
 /* The guide of a block of pixels; see guide.c. */
 typedef struct lc_guide {
@@ -63,6 +62,7 @@ typedef struct lc_render_worker {
     struct lc_near_cuts *near;
     struct lc_edges *edges; /* of the pixel at hand; NULL: none have */
     struct lc_block_light *block; /* that it looks at; NULL: no pixels are interpolated */
+    lc_pixel_light light;         /* of the last pixel in media */
 } lc_render_worker;
 
 typedef struct lc_render_job {

@@ -128,7 +128,7 @@ static void add_point(pixel_sum *s, const lc_lit *lit, uint32_t k, const lc_samp
     for (int c = 0; c < 3; c++) a->org[c] = lit->surface.ray_org[c];
     *l = (lit_sample){ .weight = lit->weight, .place = lit->surface.pos, .n = lit->surface.n,
                        .hash = keys->slot + k, .material = lit->surface.material_id, .mass = 1 };
-    if (s->j->scene->media.present) l->mass = fmaxf(lc_luminance(lit->weight), LEAST_MASS);
+    if (s->j->scene->media.present) l->mass = fmaxf(lit->part, LEAST_MASS);
     l->reach2 = REACH * REACH * lit->surface.t * lit->surface.t;
     if (!lc_has_lobe(&a->p[0])) {
         lc_f3_store(a->p[0].diffuse, lc_f3_mul(lc_f3_load(a->p[0].diffuse), lit->weight));
@@ -262,7 +262,7 @@ bool lc_add_shared_samples(lc_render_job *j, lc_render_worker *w, uint32_t x, ui
 {
     pixel_sum s = { .j = j, .w = w, .samples_left = j->spp };
     lc_pixel_sights all;
-    lc_pixel_sights_begin(&all, j, x, y, 0);
+    lc_pixel_sights_begin(&all, j, x, y, 0, &w->light);
     lc_phase_start(&w->stats);
     for (uint32_t i = 0; i < j->spp; i++) {
         if (!add_camera_ray(&s, &all, px)) return false;

@@ -33,7 +33,7 @@ static lc_f3 mirror_of(const lc_lit *lit)
 static void init_point(const lc_scene *scene, const lc_lit *lit, const lc_material *m, lc_point *p)
 {
     const lc_surface *s = &lit->surface;
-    lc_point_init(p, s->pos, s->n, lit->view, m, scene->min_d2);
+    lc_point_init(p, s->pos, s->n, lit->view, m, fmaxf(scene->min_d2, lit->floor * lit->floor));
     p->moment = s->moment;
     /* what is behind n sheds nothing anyhow */
     if (memcmp(&s->n, &s->ng, sizeof s->n)) lc_f3_store(p->ng, s->ng);

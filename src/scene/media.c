@@ -13,6 +13,8 @@
 #define MOST_STEPS   320 /* of a ray; each span that is still to come has one */
 #define STEPS_A_CELL 2.0
 #define CLEAR        4e-6 /* of the coordinates' size: how far behind a boundary the next is looked for */
+#define MOST_LIT_STEPS (MOST_STEPS + LC_RAY_LIGHT_CELLS)
+#define EVEN         0.7 /* of what the light gives to the chance of a point, what is scattered adds */
 #define THIN         1e-5 /* optical thickness below which all places of a step are as likely */
 
 /* ---- building ---- */
@@ -264,28 +266,60 @@ lc_f3 lc_media_through(const lc_scene *scene, lc_f3 org, lc_f3 dir, double lengt
 
 /* ---- points ---- */
 
-/* Probability of each step, not divided by their sum: the mean over channels of what it takes away and
- * scatters. through: before each step, and behind the last. */
-static double weigh(const steps *s, double *chance, lc_f3 *through)
+/* Steps, none of which has light of two levels. */
+typedef struct lit_steps {
+    uint32_t n;
+    step list[MOST_LIT_STEPS];
+    float level[MOST_LIT_STEPS];
+} lit_steps;
+
+static void cut_steps(const steps *s, const lc_ray_light *light, lit_steps *out)
 {
-    double sum[3] = { 0, 0, 0 }, tau[3], all = 0;
+    const uint32_t cells = light ? light->n : 0;
+    out->n = 0;
+    for (uint32_t i = 0, k = 0; i < s->n; i++) {
+        const step *from = &s->list[i];
+        const double end = from->t0 + from->length;
+        double at = from->t0;
+        while (k < cells && (double)light->end[k] <= at) k++;
+        for (; at < end; k++) {
+            const double to = k + 1 < cells ? fmin((double)light->end[k], end) : end;
+            out->level[out->n] = cells ? light->level[k < cells ? k : cells - 1] : 1;
+            out->list[out->n++] = (step){ at, to - at, from->density, from->medium };
+            at = to;
+            if (!(at < end)) break;
+        }
+    }
+}
+
+/* Probability of each step, not divided by their sum: the mean over channels of what it takes away and
+ * scatters, by the light there and a part that does not ask for it. through: before each step, and behind the
+ * last. *scattered: what is scattered in all. */
+static double weigh(const lit_steps *s, double *chance, lc_f3 *through, double *scattered)
+{
+    double left[3] = { 1, 1, 1 }, tau[3], lit = 0, all = 0;
     for (uint32_t i = 0; i < s->n; i++) {
         const lc_f3 sigma = s->list[i].medium->scattering;
-        const double scatters[3] = { (double)sigma.x, (double)sigma.y, (double)sigma.z };
-        double mean = 0;
+        const double scatters[3] = { (double)sigma.x, (double)sigma.y, (double)sigma.z },
+                     much = s->list[i].density * s->list[i].length;
+        double mean = 0, kept = 1;
         thickness(&s->list[i], s->list[i].length, tau);
+        through[i] = lc_f3_make((float)left[0], (float)left[1], (float)left[2]);
         for (int k = 0; k < 3; k++) {
-            const double own = scatters[k] * s->list[i].density * s->list[i].length,
-                         taken = tau[k] > THIN ? (1 - lc_exp_neg(-tau[k])) / tau[k] : 1;
-            mean += lc_exp_neg(-sum[k]) * own * taken / 3;
+            if (!k || tau[k] < tau[k - 1] || tau[k] > tau[k - 1]) kept = lc_exp_neg(-tau[k]);
+            mean += left[k] * scatters[k] * much * (tau[k] > THIN ? (1 - kept) / tau[k] : 1) / 3;
+            left[k] *= kept;
         }
-        through[i] = through_of(sum);
         chance[i] = mean;
         all += mean;
-        for (int k = 0; k < 3; k++) sum[k] += tau[k];
+        lit += mean * (double)s->level[i];
     }
-    through[s->n] = through_of(sum);
-    return all;
+    through[s->n] = lc_f3_make((float)left[0], (float)left[1], (float)left[2]);
+    *scattered = all;
+    if (!(all > 0)) return 0;
+    const double even = lit > 0 ? EVEN * lit / all : 1;
+    for (uint32_t i = 0; i < s->n; i++) chance[i] *= (double)s->level[i] + even;
+    return lit > 0 ? lit * (1 + EVEN) : all;
 }
 
 /* The point of a step that a number 0..1 draws; *density: of drawing it there, along the ray. */
@@ -301,19 +335,22 @@ static double place_in(const step *s, double u, double *density)
     return fmin(t, 1) * s->length;
 }
 
-uint32_t lc_media_draw(const lc_scene *scene, lc_f3 org, lc_f3 dir, double length, double offset, uint32_t n,
+uint32_t lc_media_draw(const lc_scene *scene, lc_f3 org, lc_f3 dir, double length, const lc_media_draws *how,
                        lc_medium_point *out, lc_f3 *through)
 {
-    steps s;
-    double chance[MOST_STEPS], before = 0, tau[3];
-    lc_f3 t[MOST_STEPS + 1];
-    take_steps(scene, org, dir, length, &s);
-    const double all = weigh(&s, chance, t);
+    steps all_steps;
+    lit_steps s;
+    double chance[MOST_LIT_STEPS], before = 0, scattered, tau[3];
+    lc_f3 t[MOST_LIT_STEPS + 1];
+    const uint32_t n = how->n;
+    take_steps(scene, org, dir, length, &all_steps);
+    cut_steps(&all_steps, n ? how->light : NULL, &s);
+    const double all = weigh(&s, chance, t, &scattered);
     *through = t[s.n];
     if (!(all > 0)) return 0;
     while (!(chance[s.n - 1] > 0)) s.n--; /* rounding must not lead there */
     for (uint32_t i = 0, k = 0; k < n && i < s.n;) {
-        const double u = (k + offset) / n * all - before;
+        const double u = (k + how->offset) / n * all - before;
         if (!(u < chance[i]) && i + 1 < s.n) {
             before += chance[i++];
             continue;
@@ -324,7 +361,7 @@ uint32_t lc_media_draw(const lc_scene *scene, lc_f3 org, lc_f3 dir, double lengt
         const double factor = at->density / (n * (chance[i] / all) * density);
         out[k++] = (lc_medium_point){
             lc_f3_scale(lc_f3_mul(lc_f3_mul(t[i], through_of(tau)), at->medium->scattering), (float)factor),
-            (float)(at->t0 + d), at->medium->g
+            (float)(at->t0 + d), at->medium->g, (float)(scattered / n)
         };
     }
     return n;

@@ -5,8 +5,8 @@
  *
  *     transmittance T    exp(-(sigma_a + sigma_s) length), times the density where there is a grid
  *     radiance           the integral over t of T(t) sigma_s times what the lights make at t, as of a
- *                        surface. Its points are drawn in proportion to what is scattered at t, one in each
- *                        of n parts of equal probability; [Pharr23] 14.1, 14.2
+ *                        surface. Its points are drawn in proportion to T(t) sigma_s times about the light
+ *                        at t (ray_light.h), one in each of n equal parts; [Pharr23] 14.1, 14.2
  *
  * Which medium is where is told by boundaries alone: triangles with a medium on either side. The medium
  * before the first boundary that a ray meets is that on this side of it; where it meets none, the one beyond
@@ -34,12 +34,29 @@ void lc_media_free(lc_scene *scene);
 typedef struct lc_medium_point {
     lc_f3 weight; /* of its radiance by the phase function alone, on arrival at the ray's origin */
     float t, g;   /* at org + t dir */
+    float part;   /* of the radiance of the ray, were it the same everywhere: expected of a point */
 } lc_medium_point;
 
-/* Draws n points, at most LC_MEDIUM_POINTS, of a ray with unit direction and finite length; offset, 0..1, is
- * the place of each in its part. Returns how many there are, 0 where nothing scatters; *through: the
- * transmittance of the whole length. */
-uint32_t lc_media_draw(const lc_scene *scene, lc_f3 org, lc_f3 dir, double length, double offset, uint32_t n,
+#define LC_RAY_LIGHT_CELLS 448
+
+/* Roughly how much light there is along a ray (ray_light.h): parts in order, from 0 on to LC_BEYOND. */
+typedef struct lc_ray_light {
+    bool varies;                     /* a ray within the spread may have more than this of some light */
+    uint32_t n;                      /* parts; 0: there is no light, or nothing that scatters it */
+    float end[LC_RAY_LIGHT_CELLS];   /* of each, scene units; rising */
+    float level[LC_RAY_LIGHT_CELLS]; /* the luminance that is scattered there, by any common factor; >= 0 */
+} lc_ray_light;
+
+/* How points of a ray are drawn. */
+typedef struct lc_media_draws {
+    uint32_t n;    /* at most LC_MEDIUM_POINTS */
+    double offset; /* 0..1: the place of each in its part */
+    const lc_ray_light *light; /* by this, too; NULL: by what is scattered alone */
+} lc_media_draws;
+
+/* Draws points of a ray with unit direction and finite length. Returns how many there are, 0 where nothing
+ * scatters; *through: the transmittance of the whole length. */
+uint32_t lc_media_draw(const lc_scene *scene, lc_f3 org, lc_f3 dir, double length, const lc_media_draws *how,
                        lc_medium_point *out, lc_f3 *through);
 /* Of a ray with unit direction. */
 lc_f3 lc_media_through(const lc_scene *scene, lc_f3 org, lc_f3 dir, double length);

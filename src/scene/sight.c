@@ -3,11 +3,15 @@
 
 #include "base/sample.h"
 #include "scene/media.h"
+#include "scene/ray_light.h"
 #include "scene/sun.h"
 #include "shade/draw_lobe.h"
 #include "shade/fresnel.h"
 #include "shade/point_init.h"
 
+/* Of a sample's footprint: a point of a medium gets no more of a lamp than from so far away. What passes
+ * closer by is a thirtieth of a lamp's light in its own pixel, and would be sparks. */
+#define LAMP_SIZE 0.125f
 #define MIN_WEIGHT 1e-12f /* a chain of mirrors ends when no channel's weight exceeds this */
 
 /* A ray that is still to be traced. */
@@ -184,7 +188,12 @@ static void meet_rough(trace *t, const ray *r, const lc_surface *s)
     if (narrow) meet_narrow(t, r, s);
     if (r->only_sky || (smooth && !(lc_f3_max(m->kd) > 0))) return;
     t->n_rough++;
-    out->lit[out->n_lit++] = (lc_lit){ *s, lc_f3_neg(r->dir), r->weight, r->depth, narrow, false };
+    out->lit[out->n_lit++] = (lc_lit){ .surface = *s,
+                                       .view = lc_f3_neg(r->dir),
+                                       .weight = r->weight,
+                                       .part = lc_luminance(r->weight),
+                                       .n_mirrors = r->depth,
+                                       .followed = narrow };
     if (smooth) out->lit[out->n_lit - 1].surface.material.ks = lc_f3_make(0, 0, 0);
     if (!(lc_f3_max(m->kt) > 0)) return;
     out->lit[out->n_lit] = out->lit[out->n_lit - 1];
@@ -226,7 +235,9 @@ static void light_medium(trace *t, const ray *r, const lc_medium_point *p)
 {
     const lc_f3 to_viewer = lc_f3_neg(r->dir), pos = lc_f3_add(r->org, lc_f3_scale(r->dir, p->t));
     lc_lit *lit = &t->out->lit[t->out->n_lit++];
-    *lit = (lc_lit){ .view = to_viewer, .weight = lc_f3_mul(r->weight, p->weight), .n_mirrors = r->depth };
+    *lit = (lc_lit){ .view = to_viewer, .weight = lc_f3_mul(r->weight, p->weight),
+                     .part = lc_luminance(r->weight) * p->part,
+                     .floor = LAMP_SIZE * (float)t->how->pixel * (r->length + p->t), .n_mirrors = r->depth };
     lit->surface = (lc_surface){ .pos = pos, .n = to_viewer, .ng = to_viewer, .t = r->length + p->t,
                                  .front = true, .material_id = LC_NONE,
                                  .moment = t->scene->moment };
@@ -254,7 +265,12 @@ static void follow(trace *t, ray *r, const lc_surface *s)
         const double length = s ? (double)(s->t - r->length) : LC_BEYOND;
         const bool lit = !r->only_sky && r->depth < t->max_depth && t->n_in_media + want <= LC_MAX_IN_MEDIA;
         lc_f3 through;
-        n = lc_media_draw(scene, r->org, r->dir, length, t->how->offset, lit ? want : 0, points, &through);
+        lc_ray_light own;
+        const bool another = r->depth || (t->how->light && t->how->light->varies);
+        lc_media_draws draws = { lit ? want : 0, t->how->offset, another ? &own : t->how->light };
+        if (draws.n && another)
+            lc_ray_light_find(scene, r->org, r->dir, &(const lc_ray_spread){ 0, 0, 1 }, t->how->slot, &own);
+        n = lc_media_draw(scene, r->org, r->dir, length, &draws, points, &through);
         r->weight = lc_f3_mul(r->weight, through);
     }
     if (s) meet(t, r, s);

@@ -38,6 +38,8 @@ typedef struct lc_lit {
     lc_surface surface; /* surface.t is the length of the whole path */
     lc_f3 view;         /* unit, from the point towards the viewer or the last mirror, world space */
     lc_f3 weight;       /* fraction of its radiance that reaches the camera; 1 without mirrors or glass */
+    float part;         /* of what the camera sees: luminance of the weight, of points of media as expected */
+    float floor;        /* least distance at which lights shine on it; 0: the scene's */
     uint32_t n_mirrors; /* mirrors and glass surfaces on the path */
     bool followed;      /* the lobe is narrow and followed by a ray, which shows all but lamps */
     bool no_rays;       /* its lobe is met by virtual lights, however narrow it is: scene/near_bounce.h */
@@ -60,7 +62,9 @@ typedef struct lc_sight_desc {
     double pixel;       /* as for lc_surface_hit */
     uint32_t max_depth; /* 1..LC_MAX_DEPTH */
     uint32_t n_points;  /* of media, 1..LC_MEDIUM_POINTS; a quarter of them behind mirrors and glass */
-    double offset;      /* 0..1: as for lc_media_draw */
+    double offset;      /* 0..1: of lc_media_draws */
+    const struct lc_ray_light *light; /* NULL, or of the camera ray, for its points of media */
+    uint32_t slot;      /* of representatives, for that of other rays */
     /* Narrow lobes' directions are drawn by the pairs (sample.h) of this key at lobe_index, and for more rays
      * each lobe_step further on, a power of 2 and above all indices. Key 0: all by the mirror's. */
     uint64_t lobe_key;
