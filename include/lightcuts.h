@@ -1086,8 +1086,10 @@ typedef struct lc_calibration {
     float near_high;      /* are off by less than the one, 95 % by less than the other; 0 without virtual
                            * lights. Pilots have it like all pixels: it is in no other of these figures */
     float dark;           /* of pixels below a quarter of the dark floor z is divided by it; 0: it is not */
+    float medium_median;  /* the same as near_median and near_high of where in media the points lie that */
+    float medium_high;    /* stand for all of a ray; 0 without media */
 } lc_calibration;
-#define LC_CALIBRATION_INIT { sizeof(lc_calibration), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0 }
+#define LC_CALIBRATION_INIT { sizeof(lc_calibration), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0 }
 
 typedef struct lc_render_desc {
     size_t size;
@@ -1186,7 +1188,7 @@ typedef struct lc_render_stats {
 #define LC_RENDER_STATS_INIT                                                                                 \
     {                                                                                                        \
         sizeof(lc_render_stats), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,     \
-        { 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0 }                                                    \
+        { 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0 }                                              \
     }
 
 /* Renders the picture. The same scene and descriptor give the same bits for any number of threads,

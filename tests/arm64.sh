@@ -18,7 +18,7 @@ slow="$slow unit_shaft check_shaft check_gather unit_update unit_filter unit_gla
 slow="$slow unit_asked unit_worst_first unit_evidence unit_frames unit_groups unit_interval unit_interpolate"
 slow="$slow unit_agglomerate unit_environment unit_motion unit_cut unit_bvh unit_glossy"
 slow="$slow unit_ggx unit_gather unit_near_lights unit_reflected_light unit_desc unit_lux unit_media unit_method unit_near_bounce"
-slow="$slow unit_rooms"
+slow="$slow unit_rooms unit_ray_light"
 [ -z "${LC_TEST_ALL:-}" ] || slow=
 list=
 for source in tests/unit_golden.c tests/unit_*.c tests/check_*.c; do

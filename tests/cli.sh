@@ -745,6 +745,20 @@ prints '^near surfaces    grain of the rays to them [+]-[0-9.e-]* % a pixel, 95 
 check 'it is in the picture' grep -aq lightcuts/nearGrain a.exr
 good 'info of its grain' info a.exr
 prints 'indirect light [0-9.e-]* % and [0-9.e-]* % of grain)'
+sed 's|^LookAt|MakeNamedMedium "haze" "string type" "homogeneous" "rgb sigma_a" [0 0 0] "rgb sigma_s" [.1 .1 .1]\
+MediumInterface "" "haze"\
+&|; s|^LightSource.*|LightSource "point" "point3 from" [.2 .6 1]|' corner.pbrt >haze.pbrt
+good 'grain of points in haze' haze.pbrt -o a.exr --maxdepth 1 --method cuts --stats --calibration haze.txt
+prints '^media            grain of the points in them [+]-[0-9.e-]* % a pixel, 95 % within [0-9.e-]* %$'
+check 'it is in the picture' grep -aq lightcuts/mediumGrain a.exr
+good 'info of its grain' info a.exr
+prints 'media [0-9.e-]* % of grain'
+good 'grain of points by every light' haze.pbrt -o a.exr --maxdepth 1 --stats
+prints '^media            grain of the points in them [+]-[0-9.e-]* % a pixel, 95 % within [0-9.e-]* %$'
+good 'info of it' info a.exr
+prints 'every light is evaluated (cuts 0 %.*media [0-9.e-]* % of grain)'
+good 'the same by its calibration' haze.pbrt -o b.exr --maxdepth 1 --method cuts --stats --calibration haze.txt
+prints '^media            grain of the points in them [+]-[0-9.e-]* % a pixel, 95 % within [0-9.e-]* %$'
 for error in 0 2 nan x; do bad "--indirect-error $error" 2 'indirect-error' mirror.pbrt -o o/q.exr --indirect-error $error; done
 bad '--indirect-from banana' 2 'indirect-from' mirror.pbrt -o o/q.exr --indirect-from banana
 good '--maxdepth 1' -q mirror.pbrt -o a.exr --maxdepth 1 --stats-file st.json

@@ -1,12 +1,13 @@
 /* calibration.h - the file of --calibration: what keeps the asked error in a picture, as text.
  *
- *     lightcuts-calibration 7
+ *     lightcuts-calibration 8
  *     scene 0123456789abcdef          lc_identity of the picture, whatever is rendered of it
  *     options 0123456789abcdef
  *     asked 0.02 95                   error, share in per cent
  *     z 0.25 shared 0 evidence 1 interpolated 0           how cuts are made
  *     pilots 512 achieved 95.6 margin 0.9 median 0.005    what pilots say: per cent, per cent, fraction
- *     near 0 0 dark 1                 fractions; how cuts of pixels nearly dark are made
+ *     near 0 0 medium 0 0             fractions
+ *     dark 1                          how cuts of pixels nearly dark are made
  */
 #ifndef LC_CLI_CALIBRATION_H
 #define LC_CLI_CALIBRATION_H

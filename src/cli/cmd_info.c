@@ -175,7 +175,8 @@ static void print_statement(const lc_image *image)
                  lamps = lc_image_get_number(image, "lightcuts/lampsHigh", -1),
                  sky = lc_image_get_number(image, "lightcuts/skyHigh", 0),
                  grain = lc_image_get_number(image, "lightcuts/skyGrain", 0),
-                 near = lc_image_get_number(image, "lightcuts/nearGrain", 0);
+                 near = lc_image_get_number(image, "lightcuts/nearGrain", 0),
+                 media = lc_image_get_number(image, "lightcuts/mediumGrain", 0);
     const bool all = lc_image_get_number(image, "lightcuts/everyLight", 0) > 0;
     if (!(error > 0)) return;
     if (!all && !(lc_image_get_number(image, "lightcuts/pilots", 0) > 0)) {
@@ -186,11 +187,13 @@ static void print_statement(const lc_image *image)
     else
         printf("error                %.1f %% +- %.1f %% of the pixels are within %.3g %% of the "
                "converged picture (cuts %.3g %%",
-               share, margin, 100 * (error + fmax(lamps, 0) + sky + grain + indirect + near), 100 * error);
+               share, margin, 100 * (error + fmax(lamps, 0) + sky + grain + indirect + near + media),
+               100 * error);
     if (lamps >= 0) printf(", lamps %.2g %%", 100 * lamps);
     if (sky > 0 || grain > 0) printf(", sky %.2g %% and %.2g %% of grain", 100 * sky, 100 * grain);
     if (indirect > 0 || near > 0) printf(", indirect light %.2g %%", 100 * indirect);
     if (near > 0) printf(" and %.2g %% of grain", 100 * near);
+    if (media > 0) printf(", media %.2g %% of grain", 100 * media);
     if (lamps < 0 && lc_image_get_number(image, "lightcuts/areaLights", 0) > 0)
         printf(", lamps: 'lightcuts converge' measures them");
     printf(")%s\n",

@@ -24,15 +24,18 @@ static double setup_seconds(const lc_scene_info *i)
 /* What was asked of pixels, and what the pilots say. */
 static void print_calibration(FILE *f, const lc_calibration *c)
 {
-    if (!c->n_pilots) return;
-    fprintf(f,
-            "asked            error %g within %g %%: %.1f %% +- %.1f %% of %u pilots, z %.4g, %llu shadow "
-            "rays to find it\n",
-            (double)c->error, (double)c->within, (double)c->achieved, (double)c->margin, c->n_pilots,
-            (double)c->z, (ull)c->rays);
+    if (c->n_pilots)
+        fprintf(f,
+                "asked            error %g within %g %%: %.1f %% +- %.1f %% of %u pilots, z %.4g, %llu "
+                "shadow rays to find it\n",
+                (double)c->error, (double)c->within, (double)c->achieved, (double)c->margin, c->n_pilots,
+                (double)c->z, (ull)c->rays);
     if (c->near_high > 0)
         fprintf(f, "near surfaces    grain of the rays to them +-%.2g %% a pixel, 95 %% within %.2g %%\n",
                 100 * (double)c->near_median, 100 * (double)c->near_high);
+    if (c->medium_high > 0)
+        fprintf(f, "media            grain of the points in them +-%.2g %% a pixel, 95 %% within %.2g %%\n",
+                100 * (double)c->medium_median, 100 * (double)c->medium_high);
 }
 
 void cli_deviations_json(FILE *f, const lc_scene_info *i)
@@ -68,10 +71,10 @@ static void calibration_json(FILE *f, const lc_calibration *c, const lc_scene_in
     fprintf(f,
             "  \"asked\": {\"error\": %.6g, \"within\": %.6g, \"z\": %.9g, \"pilots\": %u, "
             "\"achieved\": %.6g, \"margin\": %.6g, \"rays\": %llu, \"near_median\": %.6g, "
-            "\"near_high\": %.6g},\n",
+            "\"near_high\": %.6g, \"medium_median\": %.6g, \"medium_high\": %.6g},\n",
             (double)c->error, (double)c->within, (double)c->z, c->n_pilots,
             c->n_pilots ? (double)c->achieved : 100, (double)c->margin, (ull)c->rays, (double)c->near_median,
-            (double)c->near_high);
+            (double)c->near_high, (double)c->medium_median, (double)c->medium_high);
 }
 
 static void print_deviations(FILE *f, const lc_scene_info *i)

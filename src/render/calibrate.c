@@ -288,22 +288,46 @@ static void find_grain(void *user, uint32_t thread, uint64_t item)
     p->value[item] = lc_near_grain(p->j, &p->j->workers[thread], at % width, at / width);
 }
 
-/* The grain that rays to near surfaces leave, which truth and values have alike: of some of the pilots,
- * relative to their truth. */
-static void state_grain(lc_pilots *p, double floor_lum, lc_calibration *c)
+/* The grain of rays to near surfaces, and of where points of media are, truth and values have alike. Both are
+ * found of some of the pilots, and stated relative to their truth. */
+static void state_grain(lc_pilots *p, uint32_t n_all, double floor_lum, float *median, float *high)
 {
     uint32_t n = 0;
-    const uint32_t n_all = p->n < N_GRAIN ? p->n : N_GRAIN;
-    if (!p->j->scene->near_places) return;
-    lc_parallel(p->j->ctx, n_all, find_grain, p);
     for (uint32_t i = 0; i < n_all; i++) {
         const double of = fmax(p->truth[i], floor_lum);
         if (isfinite(p->truth[i]) && isfinite(p->value[i]) && of > 0) p->sorted[n++] = p->value[i] / of;
     }
     if (!n) return;
     qsort(p->sorted, n, sizeof *p->sorted, by_size);
-    c->near_median = (float)p->sorted[n / 2];
-    c->near_high = (float)p->sorted[n * 19 / 20];
+    *median = (float)p->sorted[n / 2];
+    *high = (float)p->sorted[n * 19 / 20];
+}
+
+/* Pilots are shaded once more as their truth was, with other points. */
+static void find_medium_grain(lc_pilots *p, uint32_t n)
+{
+    lc_render_job *j = p->j;
+    const uint32_t n_all = p->n;
+    for (uint32_t i = 0; i < n; i++) p->value[i] = NAN;
+    p->n = n;
+    p->by_itself = j->redraws = true;
+    lc_pilots_shade(p, p->true_error, p->true_z, 1, p->value);
+    p->by_itself = j->redraws = false;
+    p->n = n_all;
+    for (uint32_t i = 0; i < n; i++) p->value[i] = fabs(p->value[i] - p->truth[i]) / sqrt(2);
+}
+
+static void state_grains(lc_pilots *p, double floor_lum, lc_calibration *c)
+{
+    const uint32_t n = p->n < N_GRAIN ? p->n : N_GRAIN;
+    if (p->j->scene->near_places) {
+        lc_parallel(p->j->ctx, n, find_grain, p);
+        state_grain(p, n, floor_lum, &c->near_median, &c->near_high);
+    }
+    if (p->j->scene->media.present) {
+        find_medium_grain(p, n);
+        state_grain(p, n, floor_lum, &c->medium_median, &c->medium_high);
+    }
 }
 
 /* Tries a way and keeps it where it takes less time than the best so far, by its work. */
@@ -365,7 +389,7 @@ static lc_status choose_way(lc_pilots *p, lc_cut_desc *cut, search *s, lc_calibr
     p->guided = evidence;
     lc_status st = find_truth(p, cut, &rough);
     if (st || !p->n_finite) return st;
-    state_grain(p, (double)cut->floor, c);
+    state_grains(p, (double)cut->floor, c);
     cut->max_points = j->max_points;
     if (may_share) st = keep_better(p, cut, of_shared * rough.s.z, true, false, 1, &best);
     if (!st && may_share && evidence) {
@@ -478,4 +502,19 @@ lc_status lc_calibrate(lc_render_job *j, lc_calibration *out)
     if (!st) st = calibrate(&p, out);
     lc_pilots_free(&p);
     return st;
+}
+
+lc_status lc_find_grain(lc_render_job *j, lc_calibration *out)
+{
+    const lc_cut_desc cut = lc_job_cut_desc(j);
+    double mean = 0;
+    lc_pilots p;
+    lc_status st = lc_pilots_init(&p, j);
+    p.n = p.n < N_GRAIN ? p.n : N_GRAIN;
+    if (!st) st = shade_truth(&p, &cut, 0, 1);
+    for (uint32_t i = 0; !st && i < p.n; i++) mean += isfinite(p.truth[i]) ? p.truth[i] / p.n : 0;
+    if (!st && p.n_finite) state_grains(&p, (double)j->desc->dark_floor * mean, out);
+    lc_job_free_workers(j);
+    lc_pilots_free(&p);
+    return !st && atomic_load(&j->cancelled) ? LC_ERR_CANCELLED : st;
 }

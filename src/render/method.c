@@ -200,7 +200,10 @@ static lc_status choose_z(lc_render_job *j, lc_calibration *c)
         const lc_cut_desc cut = lc_job_cut_desc(j);
         st = exact_pays(j, &cut, &j->exact);
     }
-    if (j->exact) *c = (lc_calibration){ .size = sizeof *c, .rays = c->rays };
+    if (j->exact)
+        *c = (lc_calibration){ .size = sizeof *c, .near_median = c->near_median, .near_high = c->near_high,
+                               .medium_median = c->medium_median, .medium_high = c->medium_high,
+                               .rays = c->rays };
     return st;
 }
 
@@ -229,6 +232,10 @@ lc_status lc_choose_method(lc_render_job *j, lc_render_stats *stats)
         j->exact = !pilots;
     }
     if (!st && !j->exact && n && d->error > 0) st = choose_z(j, &stats->calibration);
+    else if (!st && n && d->error > 0 && (j->scene->media.present || j->scene->near_places)) {
+        st = lc_find_grain(j, &stats->calibration);
+        j->exact = true;
+    }
     stats->exact = j->exact;
     return st;
 }

@@ -10,9 +10,10 @@
 static double medium_offset(const lc_render_job *j, uint32_t x, uint32_t y, uint32_t i)
 {
     const uint64_t block = lc_pixel_number(j, x - x % LC_PIXEL_BLOCK, y - y % LC_PIXEL_BLOCK),
-                   h = lc_job_key(j, block, 0, LC_DIM_MEDIUM);
+                   h = lc_job_key(j, block, 0, LC_DIM_MEDIUM),
+                   own = lc_job_key(j, lc_pixel_number(j, x, y), 0, LC_DIM_MEDIUM);
     const uint32_t of_block = lc_permute16(y % LC_PIXEL_BLOCK * LC_PIXEL_BLOCK + x % LC_PIXEL_BLOCK, h);
-    const double u = (of_block + lc_unit(lc_job_key(j, lc_pixel_number(j, x, y), 0, LC_DIM_MEDIUM))) / 16 +
+    const double u = (of_block + lc_unit(own)) / 16 + (j->redraws ? lc_unit(lc_mix(own)) : 0) +
                      i * 0.6180339887498949;
     return u - floor(u);
 }

@@ -5,8 +5,7 @@
  *     pixel.c    camera rays, shading points, their cuts, the pixel
  *     edges.c    pixels with more camera rays; share.c: samples that neighbours share
  *     interpolate.c  pixels between others that are lit alike; reconstruct.c: coarse pictures
- *     render.c   tiles over threads, the film; interval.c: the AOV; render_stats.c: counts of all threads
- *     group_sums.c   what each group of lights contributes; attributes
+ *     render.c   tiles over threads; interval.c: the AOV; group_sums.c: light groups; render_stats.c
  *     probe.c    a sample on its own, its cut kept; first_cuts.h: what limits of a pixel's cuts go by
  *
  * Every pixel depends on scene, descriptor and its coordinates only: positions of samples and slots come from
@@ -82,7 +81,7 @@ typedef struct lc_render_job {
     uint32_t n_planes;
     atomic_bool cancelled;
     double *prepass; /* luminance by grid cell */
-    bool exact;      /* every light at every point */
+    bool exact, redraws; /* every light at every point; points of media are others than the picture's */
     float floor, dark; /* luminance: the dark floor; as of lc_calibration */
     float z;         /* of cuts where the error of pixels is asked, else 0 */
     float error;     /* asked of pixels, 0: none */
@@ -160,8 +159,9 @@ double lc_job_work(const lc_render_job *j);
 /* ---- calibrate.c ---- */
 
 /* Fills in z and what the pilots say; `error` and `within` of *c are set. Leaves z where no pilot is finite.
- * Fails with LC_ERR_MEMORY, LC_ERR_CANCELLED. */
+ * The other: the grain alone, by every light. LC_ERR_MEMORY, LC_ERR_CANCELLED. */
 lc_status lc_calibrate(lc_render_job *j, lc_calibration *c);
+lc_status lc_find_grain(lc_render_job *j, lc_calibration *c);
 
 /* ---- pixel.c ---- */
 

@@ -104,6 +104,9 @@ static lc_status set_error_attributes(lc_image *im, const lc_render_desc *d, con
     if (!st) st = lc_image_set_number(im, "lightcuts/within", (double)d->within);
     if (!st) st = lc_image_set_number(im, "lightcuts/everyLight", stats->exact);
     if (!st) st = lc_image_set_number(im, "lightcuts/pilots", c->n_pilots);
+    if (!st && c->near_high > 0) st = lc_image_set_number(im, "lightcuts/nearGrain", (double)c->near_high);
+    if (!st && c->medium_high > 0)
+        st = lc_image_set_number(im, "lightcuts/mediumGrain", (double)c->medium_high);
     if (st || !c->n_pilots) return st;
     st = lc_image_set_number(im, "lightcuts/achieved", (double)c->achieved);
     if (!st) st = lc_image_set_number(im, "lightcuts/achievedMargin", (double)c->margin);
@@ -112,7 +115,6 @@ static lc_status set_error_attributes(lc_image *im, const lc_render_desc *d, con
     if (!st) st = lc_image_set_number(im, "lightcuts/sharedCuts", c->shared);
     if (!st) st = lc_image_set_number(im, "lightcuts/evidence", c->evidence);
     if (!st) st = lc_image_set_number(im, "lightcuts/interpolated", c->interpolated);
-    if (!st && c->near_high > 0) st = lc_image_set_number(im, "lightcuts/nearGrain", (double)c->near_high);
     return st;
 }
 
