@@ -514,6 +514,7 @@ lc_status lc_find_grain(lc_render_job *j, lc_calibration *out)
     if (!st) st = shade_truth(&p, &cut, 0, 1);
     for (uint32_t i = 0; !st && i < p.n; i++) mean += isfinite(p.truth[i]) ? p.truth[i] / p.n : 0;
     if (!st && p.n_finite) state_grains(&p, (double)j->desc->dark_floor * mean, out);
+    out->rays = p.rays + count_rays(j);
     lc_job_free_workers(j);
     lc_pilots_free(&p);
     return !st && atomic_load(&j->cancelled) ? LC_ERR_CANCELLED : st;

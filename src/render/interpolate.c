@@ -143,7 +143,7 @@ static bool look(const lc_render_job *j, lc_render_worker *w, uint32_t x, uint32
     lc_pixel_sights all;
     const lc_sight *s = &all.sight;
     bool even = true, all_same = true;
-    lc_pixel_sights_begin(&all, j, x, y, j->first, NULL);
+    lc_pixel_sights_begin(&all, j, x, y, j->first, &w->light);
     lc_phase_start(&w->stats);
     for (uint32_t i = j->first; i < j->end; i++) {
         const bool is_first = i == j->first;

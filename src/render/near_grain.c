@@ -29,7 +29,7 @@ double lc_near_grain(const lc_render_job *j, lc_render_worker *w, uint32_t x, ui
         const lc_sample_keys keys = lc_sample_keys_of(j, NULL, x, y, i);
         lc_sight sight;
         lc_f3 dir;
-        if (!lc_sample_sight(j, x, y, i, NULL, NULL, &dir, &sight)) continue;
+        if (!lc_sample_sight(j, x, y, i, &w->light, NULL, &dir, &sight)) continue;
         for (uint32_t k = 0; k < sight.n_lit; k++) sum += difference(j, w, &sight.lit[k], k, &keys);
     }
     return fabs(sum) / (j->spp * sqrt(2.0));

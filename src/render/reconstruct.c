@@ -117,7 +117,7 @@ static void shade_point(lc_render_job *j, lc_render_worker *w, uint32_t x, uint3
     to->rest = lc_f3_make(0, 0, 0);
     lc_phase_start(&w->stats);
     w->stats.camera_rays++;
-    const bool hit = lc_sample_sight(j, x, y, j->first, NULL, NULL, &dir, &s);
+    const bool hit = lc_sample_sight(j, x, y, j->first, &w->light, NULL, &dir, &s);
     lc_phase_end(&w->stats, LC_PHASE_CAMERA);
     if (hit) {
         w->stats.camera_rays += s.n_rays;
@@ -315,7 +315,7 @@ bool lc_coarse_pixel(lc_render_job *j, lc_render_worker *w, uint32_t x, uint32_t
     if (lc_time_to_ask(w) && !lc_job_go_on(j)) return false;
     lc_phase_start(&w->stats);
     w->stats.camera_rays++;
-    const bool hit = lc_sample_sight(j, x, y, j->first, NULL, NULL, &dir, &s);
+    const bool hit = lc_sample_sight(j, x, y, j->first, &w->light, NULL, &dir, &s);
     lc_phase_end(&w->stats, LC_PHASE_CAMERA);
     if (!hit) {
         px.rgb = lc_background(j->scene, LC_SKY_ALL, dir);

@@ -9,8 +9,8 @@
 #include "shade/fresnel.h"
 #include "shade/point_init.h"
 
-/* Of a sample's footprint: a point of a medium gets no more of a lamp than from so far away. What passes
- * closer by is a thirtieth of a lamp's light in its own pixel, and would be sparks. */
+/* Of a sample's footprint: a point of a medium gets no more of a lamp than from so far away, else points
+ * closer by would be sparks. */
 #define LAMP_SIZE 0.125f
 #define MIN_WEIGHT 1e-12f /* a chain of mirrors ends when no channel's weight exceeds this */
 
